@@ -1,0 +1,5 @@
+"""Stage 3: from the ZMP reference to the motion of the centre of mass."""
+
+from mgs.com_generator.generate import ComTrajectory, generate_com
+
+__all__ = ["ComTrajectory", "generate_com"]

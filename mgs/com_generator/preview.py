@@ -1,0 +1,168 @@
+"""ZMP preview control: the CoM motion whose ZMP follows a reference known in advance.
+
+Cart-table model and servo of Kajita et al., "Biped walking pattern generation by using preview
+control of zero-moment point", ICRA 2003; gains after Katayama et al., Int. J. Control 41(3), 1985.
+One horizontal axis, state x = (c, dc/dt, d2c/dt2), jerk u held over dt:
+
+    x[k+1] = A x[k] + B u[k]
+    p[k]   = C x[k]                     C = (1, 0, -com_height / g)
+    u[k]   = -G_i s[k] - G_x x[k] - w[k]
+    s[k]   = s[k-1] + p[k] - p_ref[k]   w[k] = sum_{j=1..N} G_p[j] p_ref[k+j]
+
+Everything but w is a fixed linear recurrence, so the whole trajectory is one banded triangular
+system in the unknowns (x[k], s[k]), solved by LAPACK for both axes at once.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+from scipy.linalg import lapack
+
+from mgs.com_generator.generate import GRAVITY, ComTrajectory
+from mgs.errors import ConfigError, InfeasibleGaitError
+from mgs.gait import ComParameters
+
+Array = NDArray[np.float64]
+REST_SPEED, REST_DISTANCE = 2e-3, 1e-3  # [m/s], [m] at which the CoM counts as at rest at the end
+
+
+@dataclass(frozen=True, eq=False)
+class PreviewGains:
+    """Model and optimal gains of one horizontal axis."""
+
+    A: Array  # (3, 3)
+    B: Array  # (3,)
+    C: Array  # (3,)
+    G_i: float  # on the sum of errors
+    G_x: Array  # (3,) on the state
+    G_p: Array  # (n_preview,) on the future references
+
+
+@functools.lru_cache(maxsize=64)
+def preview_gains(
+    dt: float, com_height: float, preview: float, weight_error: float, weight_jerk: float
+) -> PreviewGains:
+    """Gains that minimise sum Q_e e^2 + R du^2 (method of Katayama et al.).
+
+    Args:
+        dt: sampling period [s].
+        com_height: height of the CoM above the ground [m].
+        preview: length of the preview window [s].
+        weight_error: Q_e.
+        weight_jerk: R.
+
+    Raises:
+        ConfigError: the Riccati equation has no stabilising solution for these values.
+    """
+    A = np.array([[1.0, dt, 0.5 * dt**2], [0.0, 1.0, dt], [0.0, 0.0, 1.0]])
+    B = np.array([dt**3 / 6.0, 0.5 * dt**2, dt])
+    C = np.array([1.0, 0.0, -com_height / GRAVITY])
+    At = np.block([[np.ones((1, 1)), C[None] @ A], [np.zeros((3, 1)), A]])
+    Bt = np.concatenate([[C @ B], B])[:, None]
+    Qt = np.diag([weight_error, 0.0, 0.0, 0.0])
+    K = _riccati(At, Bt, Qt, weight_jerk, f"dt = {dt} s, com_height = {com_height} m")
+    denominator = weight_jerk + float(Bt[:, 0] @ K @ Bt[:, 0])
+    G = (Bt.T @ K @ At)[0] / denominator
+    Ac = At - Bt * G
+    if not np.all(np.abs(np.linalg.eigvals(Ac)) < 1.0):
+        raise _no_gain(f"dt = {dt} s, com_height = {com_height} m", "closed loop unstable")
+    G_p = np.empty(max(1, round(preview / dt)))
+    G_p[0] = -G[0]
+    X = -Ac.T @ K[:, 0]
+    for j in range(1, len(G_p)):
+        G_p[j] = Bt[:, 0] @ X / denominator
+        X = Ac.T @ X
+    return PreviewGains(A, B, C, float(G[0]), G[1:].copy(), G_p)
+
+
+def _riccati(At: Array, Bt: Array, Qt: Array, weight_jerk: float, what: str) -> Array:
+    try:
+        return np.asarray(scipy.linalg.solve_discrete_are(At, Bt, Qt, np.array([[weight_jerk]])))
+    except (np.linalg.LinAlgError, ValueError) as error:
+        raise _no_gain(what, str(error)) from error
+
+
+def _no_gain(what: str, reason: str) -> ConfigError:
+    return ConfigError(
+        "com",
+        f"no stabilising preview gain for {what} ({reason}); usual values are dt 0.002 to 0.02, "
+        "com.weight_error 1, com.weight_jerk 1e-8 to 1e-6",
+    )
+
+
+def follow_zmp(
+    zmp_ref: Array, com_height: Array, dt: float, parameters: ComParameters
+) -> ComTrajectory:
+    """CoM motion from rest above zmp_ref[0] that follows zmp_ref (N, 2) at com_height (N,) [m].
+
+    Raises:
+        ConfigError: see `preview_gains`.
+        InfeasibleGaitError: the CoM is not at rest when the motion ends.
+    """
+    gains = preview_gains(
+        dt,
+        float(com_height[0]),
+        parameters.preview,
+        parameters.weight_error,
+        parameters.weight_jerk,
+    )
+    states = _closed_loop(gains, zmp_ref)  # (N, 3, 2)
+    _require_rest(states[-1], zmp_ref[-1])
+    flat = np.zeros(len(zmp_ref))
+    return ComTrajectory(
+        position=np.column_stack([states[:, 0], com_height]),
+        velocity=np.column_stack([states[:, 1], flat]),
+        acceleration=np.column_stack([states[:, 2], flat]),
+        zmp=np.einsum("j,njk->nk", gains.C, states),
+    )
+
+
+def _closed_loop(gains: PreviewGains, zmp_ref: Array) -> Array:
+    """States (N, 3, 2) of both axes under preview control.
+
+    Unknowns in the order (x[0], s[0], x[1], s[1], ...), four to a sample; row by row
+
+        x[k+1] - (A - B G_x) x[k] + B G_i s[k] = -B w[k]
+        s[k+1] - C x[k+1] - s[k]               = -p_ref[k+1]
+    """
+    n, width = len(zmp_ref), 6
+    coupling = np.column_stack([gains.A - np.outer(gains.B, gains.G_x), -gains.B * gains.G_i])
+    band = np.zeros((width + 1, n, 4))  # band[i - j, column j] = entry (i, j), as LAPACK stores it
+    band[0] = 1.0
+    for row in range(3):
+        for column in range(4):
+            band[4 + row - column, :-1, column] = -coupling[row, column]
+        band[3 - row, :, row] = -gains.C[row]
+    band[4, :-1, 3] = -1.0
+    rhs = np.zeros((n, 4, 2))
+    rhs[0, 0] = zmp_ref[0]  # at rest above the first reference
+    rhs[1:, :3] = -gains.B[None, :, None] * _preview_sums(gains.G_p, zmp_ref)[:-1, None]
+    rhs[:, 3] = -zmp_ref
+    solution, info = lapack.dtbtrs(
+        band.reshape(width + 1, 4 * n), rhs.reshape(4 * n, 2), uplo="L", diag="U"
+    )
+    assert info == 0  # a unit diagonal has no zero pivot
+    return np.ascontiguousarray(solution).reshape(n, 4, 2)[:, :3]
+
+
+def _preview_sums(G_p: Array, zmp_ref: Array) -> Array:
+    """W (N, 2); past the end the reference keeps its last value."""
+    tail = np.repeat(zmp_ref[-1:], len(G_p), axis=0)
+    extended = np.concatenate([zmp_ref[1:], tail])
+    return np.column_stack([np.correlate(column, G_p, mode="valid") for column in extended.T])
+
+
+def _require_rest(state: Array, zmp_end: Array) -> None:
+    speed = float(np.hypot(*state[1]))
+    distance = float(np.hypot(*(state[0] - zmp_end)))
+    if speed > REST_SPEED or distance > REST_DISTANCE:
+        raise InfeasibleGaitError(
+            f"the CoM still moves at {1e3 * speed:.1f} mm/s, {1e3 * distance:.1f} mm from its goal "
+            f"when the motion ends ({1e3 * REST_SPEED:g} mm/s, {1e3 * REST_DISTANCE:g} mm allowed); "
+            "use a longer lead_out or com.preview"
+        )

@@ -1,0 +1,159 @@
+"""The border to files that people write: safe YAML, strict models, messages that say what to change."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Hashable, Iterable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import pydantic
+import yaml
+
+from mgs.errors import ConfigError
+
+MAX_BYTES = 1_000_000  # no gait or robot file comes near it; keeps a wrong file from filling memory
+MAX_DEPTH = 30  # nesting of any file that we read is below 6
+
+_SUGGESTION = re.compile(r"^[A-Za-z0-9_.]+$")
+
+
+class Model(pydantic.BaseModel):
+    """Base of all file models: frozen, strict, no unknown keys, no NaN or infinity."""
+
+    model_config = pydantic.ConfigDict(
+        frozen=True, extra="forbid", strict=True, allow_inf_nan=False, validate_default=True
+    )
+
+
+M = TypeVar("M", bound=Model)
+
+
+class _Loader(yaml.SafeLoader):
+    """Safe loader that reads 1e-6 as a number, refuses repeated keys, aliases and deep nesting."""
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        if self.check_event(yaml.AliasEvent):
+            event = self.peek_event()
+            raise yaml.composer.ComposerError(
+                None, None, "YAML aliases (*name) are not allowed", event.start_mark
+            )
+        depth = getattr(self, "depth", 0)
+        if depth > MAX_DEPTH:
+            event = self.peek_event()
+            raise yaml.composer.ComposerError(
+                None, None, f"nested deeper than {MAX_DEPTH} levels", event.start_mark
+            )
+        self.depth = depth + 1
+        node = super().compose_node(parent, index)
+        self.depth = depth
+        return node
+
+    def construct_mapping(self, node: Any, deep: bool = False) -> dict[Hashable, Any]:
+        seen: set[Any] = set()
+        for key_node, _ in node.value:
+            key = (key_node.tag, getattr(key_node, "value", None))
+            if isinstance(key_node, yaml.ScalarNode):
+                if key in seen:
+                    raise yaml.constructor.ConstructorError(
+                        None, None, f"key {key_node.value!r} appears twice", key_node.start_mark
+                    )
+                seen.add(key)
+        return super().construct_mapping(node, deep)
+
+
+# YAML 1.1 wants a dot in every float, so that PyYAML reads 1e-6 as text.
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:float",
+    re.compile(r"^[-+]?[0-9][0-9_]*(?:\.[0-9_]*)?[eE][-+]?[0-9]+$"),
+    list("-+0123456789"),
+)
+
+
+def parse_yaml(text: str, source: str | Path) -> Any:
+    """Content of a YAML text; raises ConfigError naming `source`, line and column."""
+    try:
+        return yaml.load(text, Loader=_Loader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
+        raise ConfigError(source, f"{place}{error.problem or error.context}") from error
+    except (yaml.YAMLError, ValueError, OverflowError) as error:
+        raise ConfigError(source, f"not valid YAML: {_short(error)}") from error
+
+
+def read_text(path: Path) -> str:
+    """Text of a file; raises ConfigError when it is missing, too large or not UTF-8."""
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+        if len(data) > MAX_BYTES:
+            raise ConfigError(
+                path, f"larger than {MAX_BYTES // 1000} kB, cannot be one of our files"
+            )
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise ConfigError(path, f"not a text file (byte {error.start} is not UTF-8)") from error
+    except OSError as error:
+        raise ConfigError(path, (error.strerror or str(error)).lower()) from error
+
+
+def set_key(tree: Any, assignment: str, source: str = "--set") -> None:
+    """Apply one `dotted.key=value` to nested dictionaries in place; the value is read as YAML."""
+    key, equals, value = assignment.partition("=")
+    path = key.strip().split(".")
+    if not equals or not all(path):
+        raise ConfigError(source, f"{assignment!r} is not of the form key.sub=value")
+    node = tree
+    for part in path[:-1]:
+        node = node.setdefault(part, {}) if isinstance(node, dict) else None
+    if not isinstance(node, dict):
+        raise ConfigError(source, f"{key.strip()!r}: there is no such group in the file")
+    node[path[-1]] = parse_yaml(value, f"{source} {key.strip()}")
+
+
+def build(model: type[M], tree: Any, source: str | Path) -> M:
+    """Validate a tree; raises one ConfigError that names every bad key, its value and what is allowed."""
+    if not isinstance(tree, dict):
+        found = "nothing" if tree is None else f"a {type(tree).__name__}"
+        raise ConfigError(source, f"expected keys and values at the top level, found {found}")
+    try:
+        return model.model_validate(tree)
+    except pydantic.ValidationError as error:
+        problems = [_explain(model, item) for item in error.errors(include_url=False)]
+        raise ConfigError(source, problems[:20]) from error
+    except RecursionError as error:
+        raise ConfigError(source, "nested too deeply") from error
+
+
+def _explain(model: type[Model], item: Any) -> str:
+    # a tagged union puts its tag into the location, where the file has no key of that name
+    location = ".".join(str(part) for part in item["loc"]) or "file"
+    kind, message = item["type"], item["msg"]
+    if kind == "extra_forbidden":
+        known = _known_keys(model, item["loc"])
+        close = difflib.get_close_matches(str(item["loc"][-1]), known, n=1)
+        hint = f"did you mean {close[0]!r}?" if close else f"known here: {', '.join(sorted(known))}"
+        return f"{location}: unknown key; {hint}"
+    if kind == "missing":
+        return f"{location}: missing, it has no default"
+    message = message.removeprefix("Value error, ")
+    return f"{location}: {message[0].lower()}{message[1:]}, found {_short(item['input'])}"
+
+
+def _known_keys(model: type[Model], loc: Iterable[Any]) -> list[str]:
+    """Keys allowed where an unknown one was found."""
+    current: Any = model
+    for part in list(loc)[:-1]:
+        field = current.model_fields.get(part) if hasattr(current, "model_fields") else None
+        current = field.annotation if field else None
+        options = [current, *getattr(current, "__args__", ())]
+        current = next((o for o in options if hasattr(o, "model_fields")), None)
+    return list(current.model_fields) if current is not None else []
+
+
+def _short(value: object, limit: int = 60) -> str:
+    text = str(value) if isinstance(value, Exception) else repr(value)
+    text = " ".join(text.split())
+    return text if len(text) <= limit else text[: limit - 3] + "..."

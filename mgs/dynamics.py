@@ -1,0 +1,143 @@
+"""What the whole robot does along a joint trajectory: where its parts are, its ZMP and its torques.
+
+Rigid-body algorithms are Pinocchio's. The robot is taken to be at rest before the first sample and
+after the last, so that a trajectory that starts with a jump shows it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from mgs.contact import Side
+from mgs.geometry import rotations_from_quat_xyzw
+from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class WholeBodyMotion:
+    """Kinematics and inverse dynamics at every sample; world frame, first axis time."""
+
+    q: Array  # (N, 7 + n)
+    v: Array  # (N, 6 + n) central differences
+    a: Array  # (N, 6 + n)
+    com: Array  # (N, 3)
+    zmp: Array  # (N, 2) multibody ZMP on the ground z = 0
+    torque: Array  # (N, n) [N m]
+    soles: Array  # (N, 2, 7)
+    hands: Array  # (N, 2, 7)
+
+
+def place_on_soles(robot: Robot, joints: Array, root: NDArray[np.int8], soles_ref: Array) -> Array:
+    """Full configurations (N, 7 + n) of joint angles (N, n) whose root sole stands on its reference.
+
+    Args:
+        robot: the robot.
+        joints: joint angles (N, n) [rad].
+        root: Side (N,) of the sole that stands still.
+        soles_ref: poses (N, 2, 7) of the soles in the world.
+    """
+    model, data = robot.model, robot.model.createData()
+    q = np.empty((len(joints), FLOATING_BASE_NQ + robot.n))
+    neutral = pin.neutral(model)
+    for k in range(len(joints)):
+        neutral[FLOATING_BASE_NQ:] = joints[k]
+        pin.forwardKinematics(model, data, neutral)
+        side = root[k]
+        T_base_sole = pin.updateFramePlacement(model, data, robot.sole_frames[side])
+        T_world_base = pin.XYZQUATToSE3(soles_ref[k, side]) * T_base_sole.inverse()
+        q[k, :FLOATING_BASE_NQ] = pin.SE3ToXYZQUAT(T_world_base)
+    q[:, FLOATING_BASE_NQ:] = joints
+    _align_quaternion_signs(q[:, 3:7])
+    return q
+
+
+def _align_quaternion_signs(quat: Array) -> None:
+    """Keep neighbouring quaternions (N, 4) in one half space; q and -q are the same rotation."""
+    flips = np.sum(quat[1:] * quat[:-1], axis=1) < 0.0
+    quat[1:] *= np.where(np.cumsum(flips) % 2 == 1, -1.0, 1.0)[:, None]
+
+
+def differentiate(robot: Robot, q: Array, dt: float) -> tuple[Array, Array]:
+    """Velocities and accelerations (N, 6 + n) of q (N, 7 + n) by central differences."""
+    forward = np.zeros((len(q) + 1, FLOATING_BASE_NV + robot.n))  # row k: from sample k-1 to k
+    for k in range(1, len(q)):
+        forward[k] = pin.difference(robot.model, q[k - 1], q[k])
+    forward /= dt
+    return 0.5 * (forward[1:] + forward[:-1]), (forward[1:] - forward[:-1]) / dt
+
+
+def analyse(robot: Robot, q: Array, dt: float, load_left: Array) -> WholeBodyMotion:
+    """Kinematics, multibody ZMP and joint torques along q (N, 7 + n).
+
+    In double support the contact wrench is shared by `load_left` (N,), the part of the weight on
+    the left sole; each sole's centre of pressure is displaced alike, so that together they act at
+    the ZMP.
+    """
+    v, a = differentiate(robot, q, dt)
+    com, frames = _kinematics(robot, q)
+    forces = _inverse_dynamics(robot, q, v, a)
+    wrench = _base_wrench_in_world(q, forces[:, :FLOATING_BASE_NV])
+    zmp = np.column_stack([-wrench[:, 4], wrench[:, 3]]) / wrench[:, 2:3]
+    contacts = _share_wrench(wrench, zmp, frames[:, :2, :2], load_left)
+    torque = forces[:, FLOATING_BASE_NV:] - _contact_torques(robot, q, contacts)
+    return WholeBodyMotion(q, v, a, com, zmp, torque, frames[:, :2], frames[:, 2:])
+
+
+def _kinematics(robot: Robot, q: Array) -> tuple[Array, Array]:
+    """CoM (N, 3) and poses (N, 4, 7) of left and right sole, left and right hand."""
+    model, data = robot.model, robot.model.createData()
+    ids = (*robot.sole_frames, *robot.hand_frames)
+    com, frames = np.empty((len(q), 3)), np.empty((len(q), 4, 7))
+    for k in range(len(q)):
+        com[k] = pin.centerOfMass(model, data, q[k], False)  # also places the joints
+        for i, frame in enumerate(ids):
+            frames[k, i] = pin.SE3ToXYZQUAT(pin.updateFramePlacement(model, data, frame))
+    return com, frames
+
+
+def _inverse_dynamics(robot: Robot, q: Array, v: Array, a: Array) -> Array:
+    """Generalised forces (N, 6 + n) without contacts; the first six act on the base, in its frame."""
+    model, data = robot.model, robot.model.createData()
+    forces = np.empty_like(v)
+    for k in range(len(q)):
+        forces[k] = pin.rnea(model, data, q[k], v[k], a[k])
+    return forces
+
+
+def _base_wrench_in_world(q: Array, wrench: Array) -> Array:
+    """Force and moment (N, 6) about the world origin of wrenches (N, 6) in the base frame."""
+    R = rotations_from_quat_xyzw(q[:, 3:7])
+    force = np.einsum("nij,nj->ni", R, wrench[:, :3])
+    moment = np.einsum("nij,nj->ni", R, wrench[:, 3:]) + np.cross(q[:, :3], force)
+    return np.concatenate([force, moment], axis=1)
+
+
+def _share_wrench(wrench: Array, zmp: Array, soles: Array, load_left: Array) -> Array:
+    """Contact wrenches (N, 2, 6) about the world origin on the soles at (N, 2, 2)."""
+    share = np.stack([load_left, 1.0 - load_left], axis=1)[..., None]  # (N, 2, 1)
+    shift = zmp - np.sum(share * soles, axis=1)
+    pressure = np.zeros((len(zmp), 2, 3))
+    pressure[..., :2] = soles + shift[:, None]
+    force = share * wrench[:, None, :3]
+    moment = np.cross(pressure, force)
+    free = wrench[:, 5] - moment[..., 2].sum(axis=1)  # about the vertical
+    moment[..., 2] += share[..., 0] * free[:, None]
+    return np.concatenate([force, moment], axis=-1)
+
+
+def _contact_torques(robot: Robot, q: Array, contacts: Array) -> Array:
+    """Joint torques (N, n) that the contact wrenches (N, 2, 6) exert."""
+    model, data = robot.model, robot.model.createData()
+    torque = np.zeros((len(q), robot.n))
+    for k in range(len(q)):
+        pin.computeJointJacobians(model, data, q[k])
+        for side in Side:
+            J = pin.getFrameJacobian(model, data, robot.sole_frames[side], pin.WORLD)
+            torque[k] += contacts[k, side] @ J[:, FLOATING_BASE_NV:]
+    return torque

@@ -1,0 +1,95 @@
+"""Every error that a user can cause.
+
+MgsError                     exit code 1: the work could not be done
+├── InputError               exit code 2: malformed or missing input
+│   ├── ConfigError          a gait, robot or sweep file, or a value on the command line
+│   └── MotionFileError      an MCAP file that is damaged or not ours
+├── InfeasibleGaitError      the gait is well formed, but this robot cannot do it
+│   ├── FootstepError        two soles would overlap
+│   ├── IkError              a task is missed
+│   └── JointLimitError      a joint would leave its range
+├── SimulationError          an engine is missing, or its model differs from ours
+└── OutputExistsError        a file is in the way
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class MgsError(Exception):
+    """Base of all errors that mgs raises on purpose."""
+
+    exit_code = 1
+
+
+class InputError(MgsError):
+    """Something that came from outside is malformed or missing."""
+
+    exit_code = 2
+
+
+class ConfigError(InputError):
+    """A value in a file or on the command line is missing, unknown or out of range."""
+
+    def __init__(self, source: str | Path, problems: str | list[str]) -> None:
+        self.source = str(source)
+        self.problems = [problems] if isinstance(problems, str) else list(problems)
+        super().__init__("\n".join(f"{self.source}: {problem}" for problem in self.problems))
+
+
+class MotionFileError(InputError):
+    """A motion file is damaged, truncated or was not written by mgs."""
+
+    def __init__(self, path: str | Path, problem: str) -> None:
+        self.path = str(path)
+        super().__init__(f"{path}: {problem}")
+
+
+class InfeasibleGaitError(MgsError):
+    """The gait is well formed, but this robot cannot do it."""
+
+
+class FootstepError(InfeasibleGaitError):
+    """Two soles would overlap on the ground."""
+
+    def __init__(self, first: int, second: int, gap: float, advice: str) -> None:
+        super().__init__(f"footsteps {first} and {second} overlap by {-1e3 * gap:.1f} mm; {advice}")
+        self.first, self.second, self.gap = first, second, gap  # indices, [m]
+
+
+class IkError(InfeasibleGaitError):
+    """No configuration meets a task at one instant."""
+
+    def __init__(self, t: float, task: str, residual: float, tolerance: float, unit: str) -> None:
+        super().__init__(
+            f"t = {t:.3f} s: {task} is {residual:.3g} {unit} off, {tolerance:.3g} {unit} allowed; "
+            "it is probably out of reach: try a shorter step_length, a lower com_height or "
+            "a longer single_support"
+        )
+        self.t, self.task, self.residual, self.tolerance = t, task, residual, tolerance
+
+
+class JointLimitError(InfeasibleGaitError):
+    """A joint would leave its range."""
+
+    def __init__(self, t: float, joint: str, position: float, lower: float, upper: float) -> None:
+        excess = max(lower - position, position - upper)
+        super().__init__(
+            f"t = {t:.3f} s: joint {joint} at {position:.4f} rad is {excess:.4f} rad outside "
+            f"its range [{lower:.4f}, {upper:.4f}]; try a larger ik.gamma_joint, a shorter "
+            "step_length or another com_height, or set ik.on_limit: record to keep the motion"
+        )
+        self.t, self.joint, self.position = t, joint, position
+
+
+class SimulationError(MgsError):
+    """A physics engine is missing, or its model of the robot differs from Pinocchio's."""
+
+
+class OutputExistsError(MgsError):
+    """A file is in the way of an output."""
+
+    def __init__(self, path: str | Path) -> None:
+        super().__init__(f"{path} exists; use --force to replace it, or -o to write elsewhere")
+        self.path = str(path)

@@ -1,0 +1,140 @@
+"""Plane geometry and smooth interpolation; numpy only.
+
+Planar poses are arrays (..., 3) of x [m], y [m], yaw [rad]. Poses in space are arrays (..., 7) of
+x, y, z [m] and the quaternion in the order x, y, z, w (Pinocchio's and ROS's order).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def compose_planar(pose: ArrayLike, offset: ArrayLike) -> Array:
+    """Planar pose (..., 3) reached from `pose` by `offset` given in its own frame."""
+    pose, offset = np.asarray(pose, dtype=float), np.asarray(offset, dtype=float)
+    out = pose + offset
+    out[..., :2] = pose[..., :2] + rotate_planar(offset[..., :2], pose[..., 2])
+    return out
+
+
+def rotate_planar(vector: ArrayLike, yaw: ArrayLike) -> Array:
+    """Vectors (..., 2) turned by yaw (...) [rad]."""
+    vector = np.asarray(vector, dtype=float)
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.stack(
+        [c * vector[..., 0] - s * vector[..., 1], s * vector[..., 0] + c * vector[..., 1]], axis=-1
+    )
+
+
+def quat_xyzw_from_yaw(yaw: ArrayLike) -> Array:
+    """Quaternion (..., 4) of a turn by yaw (...) [rad] about z."""
+    half = 0.5 * np.asarray(yaw, dtype=float)
+    zero = np.zeros_like(half)
+    return np.stack([zero, zero, np.sin(half), np.cos(half)], axis=-1)
+
+
+def rotations_from_quat_xyzw(quat: ArrayLike) -> Array:
+    """Rotation matrices (..., 3, 3) of unit quaternions (..., 4)."""
+    x, y, z, w = np.moveaxis(np.asarray(quat, dtype=float), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def rotation_angles(quat_a: ArrayLike, quat_b: ArrayLike) -> Array:
+    """Angle (...) [rad] of the rotation between unit quaternions (..., 4); exact near zero."""
+    a, b = np.asarray(quat_a, dtype=float), np.asarray(quat_b, dtype=float)
+    # the vector part of conj(a) b; its norm is |sin(angle / 2)| and keeps full precision near 0
+    vector = a[..., 3:] * b[..., :3] - b[..., 3:] * a[..., :3] - np.cross(a[..., :3], b[..., :3])
+    scalar = np.abs(np.sum(a * b, axis=-1))
+    return 2.0 * np.arctan2(np.linalg.norm(vector, axis=-1), scalar)
+
+
+def yaw_from_quat_xyzw(quat: ArrayLike) -> Array:
+    """Heading (...) [rad] of the x axis of rotations given as quaternions (..., 4)."""
+    x, y, z, w = np.moveaxis(np.asarray(quat, dtype=float), -1, 0)
+    return np.arctan2(2 * (x * y + z * w), 1 - 2 * (y * y + z * z))
+
+
+def wrap_angle(angle: ArrayLike) -> Array:
+    """Angle (...) brought into [-pi, pi) [rad]."""
+    return (np.asarray(angle, dtype=float) + np.pi) % (2 * np.pi) - np.pi
+
+
+def quintic(s: ArrayLike) -> Array:
+    """Minimum-jerk blend (...) from 0 to 1 over s in [0, 1]; zero speed and acceleration at both ends."""
+    s = np.clip(np.asarray(s, dtype=float), 0.0, 1.0)
+    return s**3 * (10.0 + s * (-15.0 + 6.0 * s))
+
+
+def bump(s: ArrayLike) -> Array:
+    """Rise from 0 to 1 at s = 1/2 and back; zero speed and acceleration at both ends: 64 s^3 (1-s)^3."""
+    s = np.clip(np.asarray(s, dtype=float), 0.0, 1.0)
+    return (4.0 * s * (1.0 - s)) ** 3
+
+
+def sole_corners(poses: ArrayLike, length: float, width: float) -> Array:
+    """Corners (..., 4, 2), counter-clockwise, of soles at planar poses (..., 3)."""
+    poses = np.asarray(poses, dtype=float)
+    half = 0.5 * np.array([[length, width], [-length, width], [-length, -width], [length, -width]])
+    return poses[..., None, :2] + rotate_planar(half, poses[..., None, 2])
+
+
+def convex_hull(points: ArrayLike) -> Array:
+    """Convex hull (m, 2), counter-clockwise without repeated or collinear points, of (n, 2) points.
+
+    Andrew's monotone chain, Inf. Proc. Letters 9(5), 1979.
+    """
+    ordered = sorted({(float(x), float(y)) for x, y in np.asarray(points, dtype=float)})
+    if len(ordered) < 3:
+        return np.array(ordered).reshape(-1, 2)
+
+    def chain(candidates: list[tuple[float, float]]) -> list[tuple[float, float]]:
+        hull: list[tuple[float, float]] = []
+        for p in candidates:
+            while len(hull) > 1 and _cross(hull[-2], hull[-1], p) <= 0.0:
+                hull.pop()
+            hull.append(p)
+        return hull[:-1]
+
+    return np.array(chain(ordered) + chain(ordered[::-1]))
+
+
+def _cross(o: tuple[float, float], a: tuple[float, float], b: tuple[float, float]) -> float:
+    return (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
+
+
+def polygon_margins(points: ArrayLike, polygon: ArrayLike) -> Array:
+    """Signed distance (n,) of points (n, 2) to the edge of a convex polygon, positive inside [m].
+
+    `polygon` is (m, 2), m >= 3, counter-clockwise.
+    """
+    points, polygon = np.asarray(points, dtype=float), np.asarray(polygon, dtype=float)
+    edges = np.roll(polygon, -1, axis=0) - polygon
+    lengths = np.linalg.norm(edges, axis=1)
+    rel = points[:, None, :] - polygon
+    inward = (edges[:, 0] * rel[..., 1] - edges[:, 1] * rel[..., 0]) / lengths  # (n, m)
+    along = np.clip(np.einsum("nmk,mk->nm", rel, edges) / lengths**2, 0.0, 1.0)
+    outside = np.linalg.norm(rel - along[..., None] * edges, axis=-1).min(axis=1)
+    inside = inward.min(axis=1)
+    return np.where(inside >= 0.0, inside, -outside)
+
+
+def rectangle_gap(corners_a: ArrayLike, corners_b: ArrayLike) -> float:
+    """Widest separating gap [m] between two convex polygons (m, 2); negative when they overlap.
+
+    Separating axis theorem: the penetration along the best axis when negative.
+    """
+    a, b = np.asarray(corners_a, dtype=float), np.asarray(corners_b, dtype=float)
+    edges = np.concatenate([np.roll(a, -1, axis=0) - a, np.roll(b, -1, axis=0) - b])
+    normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    pa, pb = a @ normals.T, b @ normals.T
+    gaps = np.maximum(pb.min(axis=0) - pa.max(axis=0), pa.min(axis=0) - pb.max(axis=0))
+    return float(gaps.max())

@@ -1,0 +1,254 @@
+"""Closed-loop IK with a gradient-projected secondary task.
+
+Eqs. (9)-(14) of "Inverse kinematics of a humanoid robot modelled as a tree-shaped manipulator" (the
+Melson paper). J has full row rank m < n, so that J^+ needs no SVD:
+
+    q[k+1] = q[k] + dt v
+    v  = v0 + J^T y,   (J J^T + damping^2 I) y = (t[k+1] - f(q[k])) / dt - J v0
+    v0 = - gamma_joint grad H_joint - gamma_grav grad H_grav
+    H_joint = 1/2 sum ((q - q_mid) / (q_max - q_min))^2,   H_grav = 1/2 tau^T W tau
+
+The tree is rooted at the support sole. H_grav makes sense in single support only: gamma_grav falls
+linearly to zero before double support and rises after it. W = s^2 I with s = 0.70 kg m / (M z_c), so
+that a gain means the same on every robot.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.linalg import lapack
+
+from mgs.com_generator import ComTrajectory
+from mgs.contact import Side, Support
+from mgs.errors import ConfigError, IkError, JointLimitError
+from mgs.gait import IkParameters
+from mgs.geometry import rotations_from_quat_xyzw
+from mgs.ik_solver.joint_trajectory import JointTrajectory
+from mgs.ik_solver.tree_tasks import COM, LEFT_HAND, N_TASKS, RIGHT_HAND, SWING, TURN, TreeTasks
+from mgs.robot import Robot
+from mgs.trajectory_planner import TaskTrajectory
+
+Array = NDArray[np.float64]
+
+# A motion file is refused beyond these; the update below keeps the error well inside them.
+TOLERANCES = (
+    ("swing sole", SWING, 1e-4, "m"),
+    ("right hand", RIGHT_HAND, 1e-4, "m"),
+    ("left hand", LEFT_HAND, 1e-4, "m"),
+    ("CoM", COM, 2e-4, "m"),
+    ("swing sole orientation", TURN, 1.7e-4, "rad"),  # 0.01 deg
+)
+UPDATE_ABOVE = 1e-5  # [m] and [rad], task error that calls for a Newton update
+MAX_UPDATES = 10  # per sample; converging ones need one or two
+MAX_START_UPDATES = 50
+REFERENCE_MOMENT = 0.70  # [kg m] M z_c of the robot that the gains were first chosen on
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClosedLoopIk:
+    """Tuning of the closed-loop IK."""
+
+    gamma_joint: float = 0.35  # weight of the joint-limit gradient [rad^2/s]
+    gamma_grav: float = 0.0  # weight of the gravity-torque gradient [1/((N m)^2 s)]
+    gamma_grav_ramp: float = 0.2  # [s]
+    iterations: int | None = None  # Newton updates per sample; None: until UPDATE_ABOVE is met
+    keep_limits: bool = True  # False: record a joint outside its range instead of refusing it
+    damping: float = 1e-6  # Levenberg term, in the unit of J
+
+    @classmethod
+    def from_parameters(cls, parameters: IkParameters) -> ClosedLoopIk:
+        """Solver with the tuning of a gait file."""
+        return cls(
+            gamma_joint=parameters.gamma_joint,
+            gamma_grav=parameters.gamma_grav,
+            gamma_grav_ramp=parameters.gamma_grav_ramp,
+            iterations=parameters.iterations,
+            keep_limits=parameters.on_limit == "refuse",
+        )
+
+    def solve(self, robot: Robot, tasks: TaskTrajectory, com: ComTrajectory) -> JointTrajectory:
+        """Follow the tasks from the half-sitting posture; see `IkSolver.solve` for the errors."""
+        return _Run(self, robot, tasks, com).follow()
+
+
+def gravity_gain_profile(support: NDArray[np.int8], dt: float, ramp: float) -> Array:
+    """Factor (N,) on gamma_grav: 1 in single support, falling to 0 over `ramp` [s] at its ends."""
+    factor = np.zeros(len(support))
+    edges = np.flatnonzero(np.diff(support)) + 1
+    for start, end in zip([0, *edges], [*edges, len(support)], strict=True):
+        if support[start] != Support.DOUBLE:
+            k = np.arange(start, end)
+            width = min(ramp, 0.5 * (end - start) * dt)
+            factor[start:end] = np.clip(np.minimum(k - start, end - k) * dt / width, 0.0, 1.0)
+    return factor
+
+
+def rest_profile(n_samples: int, dt: float, ramp: float) -> Array:
+    """Factor (N,) on all null-space motion: 0 at both ends of the motion, 1 beyond `ramp` [s]."""
+    k = np.arange(n_samples)
+    return np.clip(np.minimum(k, n_samples - 1 - k) * dt / ramp, 0.0, 1.0)
+
+
+class _Run:
+    """One pass over a trajectory: the buffers and the loop over samples."""
+
+    def __init__(
+        self, tuning: ClosedLoopIk, robot: Robot, tasks: TaskTrajectory, com: ComTrajectory
+    ) -> None:
+        self.tuning, self.robot, self.tasks, self.com = tuning, robot, tasks, com.position
+        self.trees = (TreeTasks(robot, Side.LEFT), TreeTasks(robot, Side.RIGHT))
+        self.max_updates = MAX_UPDATES if tuning.iterations is None else tuning.iterations
+        self.threshold2 = UPDATE_ABOVE**2 if tuning.iterations is None else 0.0
+        scale = REFERENCE_MOMENT / (robot.mass * tasks.com_height[0])
+        self.gamma_grav = tuning.gamma_grav * scale**2  # W = scale^2 I
+        rest = rest_profile(tasks.n_samples, tasks.dt, tuning.gamma_grav_ramp) * tasks.dt
+        in_single = gravity_gain_profile(tasks.support, tasks.dt, tuning.gamma_grav_ramp)
+        self.gain_joint = tuning.gamma_joint * rest
+        self.gain_grav = self.gamma_grav * rest * in_single
+        self.inverse_range2 = 1.0 / (robot.upper - robot.lower) ** 2
+        self.middle = 0.5 * (robot.upper + robot.lower)
+        self.angles = np.empty((tasks.n_samples, robot.n))
+        self.updates = 0
+        self.A = np.empty((N_TASKS, N_TASKS))
+        self.diagonal = self.A.ravel()[:: N_TASKS + 1]  # a view
+
+    def follow(self) -> JointTrajectory:
+        """Walk through the spans that stand on one sole, since each has its own tree."""
+        roots, n = self.tasks.root, self.tasks.n_samples
+        bounds = [0, *(np.flatnonzero(np.diff(roots)) + 1), n]
+        q = self.robot.posture
+        for start, end in zip(bounds[:-1], bounds[1:], strict=True):
+            tree = self.trees[roots[start]]
+            tree.place(pin.XYZQUATToSE3(self.tasks.soles[start, roots[start]]))
+            positions, rotations = self._targets(start, end)
+            q_tree = q[tree.order]
+            if start == 0:
+                self._start(tree, q_tree, positions[0], rotations[0])
+            errors = self._follow_span(tree, q_tree, start, positions, rotations)
+            self._refuse_misses(start, errors)
+            self._refuse_limits(start, end)
+            q = self.angles[end - 1]
+        return JointTrajectory(self.angles, self.updates)
+
+    def _targets(self, start: int, end: int) -> tuple[Array, Array]:
+        """Positions (m, 12) in the order of the tasks and swing sole rotations (m, 3, 3)."""
+        tasks, span = self.tasks, slice(start, end)
+        swing = Side(tasks.root[start]).other
+        hands = tasks.hands[span] + self.com[span, None]
+        positions = np.concatenate(
+            [
+                tasks.soles[span, swing, :3],
+                hands[:, Side.RIGHT],
+                hands[:, Side.LEFT],
+                self.com[span],
+            ],
+            axis=1,
+        )
+        return positions, rotations_from_quat_xyzw(tasks.soles[span, swing, 3:])
+
+    def _follow_span(
+        self, tree: TreeTasks, q: Array, start: int, positions: Array, rotations: Array
+    ) -> Array:
+        """Fill `angles` from sample `start`, beginning at q (n,); task errors (m, 15) that remain."""
+        order, angles, threshold2 = tree.order, self.angles, self.threshold2
+        middle, inverse_range2 = self.middle[order], self.inverse_range2[order]
+        errors = np.empty((len(positions), N_TASKS))
+        tree.update(q)
+        for i in range(len(positions)):
+            k = start + i
+            error = errors[i]
+            tree.error(positions[i], rotations[i], error)
+            gain_joint, gain_grav = self.gain_joint[k], self.gain_grav[k]
+            if gain_joint or gain_grav:
+                v0 = (middle - q) * inverse_range2
+                v0 *= gain_joint
+                if gain_grav:
+                    tau, dtau = tree.gravity(q)
+                    v0 -= gain_grav * (tau @ dtau)
+                error -= tree.J @ v0
+                q += v0
+            q += self._least_norm(tree.J, error, k)
+            tree.update(q)
+            tree.error(positions[i], rotations[i], error)
+            updates = self.max_updates
+            while updates and error @ error > threshold2:
+                q += self._least_norm(tree.J, error, k)
+                tree.update(q)
+                tree.error(positions[i], rotations[i], error)
+                updates -= 1
+                self.updates += 1
+            angles[k, order] = q
+        return errors
+
+    def _least_norm(self, J: Array, error: Array, k: int) -> Array:
+        """J^T (J J^T + damping^2 I)^-1 error (n,), by one Cholesky factor."""
+        np.dot(J, J.T, out=self.A)
+        self.diagonal += self.tuning.damping**2
+        _, y, info = lapack.dposv(self.A.T, error, overwrite_a=True)
+        if info != 0:
+            raise IkError(k * self.tasks.dt, "any task (J J^T singular)", np.inf, 0.0, "")
+        return np.dot(y, J)
+
+    def _start(self, tree: TreeTasks, q: Array, positions: Array, rotation: Array) -> None:
+        """Bring q (n,) from the half-sitting posture onto the tasks of the first sample."""
+        error = np.empty(N_TASKS)
+        for _ in range(MAX_START_UPDATES):
+            tree.update(q)
+            tree.error(positions, rotation, error)
+            if error @ error < UPDATE_ABOVE**4:  # quadratic convergence: the last one is exact
+                break
+            q += self._least_norm(tree.J, error, 0)
+        self._refuse_stiff_gravity_gain(tree, q)
+
+    def _refuse_stiff_gravity_gain(self, tree: TreeTasks, q: Array) -> None:
+        """Raise ConfigError where the explicit step down grad H_grav would overshoot."""
+        if not self.gamma_grav:
+            return
+        step = 1e-5
+        gradients = []
+        for i in range(len(q)):
+            for sign in (1.0, -1.0):
+                moved = q.copy()
+                moved[i] += sign * step
+                tau, dtau = tree.gravity(moved)
+                gradients.append(tau @ dtau)
+        hessian = (np.array(gradients[::2]) - np.array(gradients[1::2])) / (2.0 * step)
+        tree.update(q)
+        projector = np.eye(len(q)) - np.linalg.pinv(tree.J) @ tree.J
+        curvature = np.linalg.eigvalsh(projector @ (0.5 * (hessian + hessian.T)) @ projector)[-1]
+        product = self.tasks.dt * self.gamma_grav * curvature
+        if product >= 1.0:
+            allowed = self.tuning.gamma_grav / product
+            raise ConfigError(
+                "ik.gamma_grav",
+                f"{self.tuning.gamma_grav:g} is too stiff for dt = {self.tasks.dt:g} s on "
+                f"{self.robot.spec.name}; below {allowed:.3g}, or a smaller dt",
+            )
+
+    def _refuse_misses(self, start: int, errors: Array) -> None:
+        for i, bad in enumerate(~np.all(np.abs(errors) <= 1e-4, axis=1)):
+            if not bad:
+                continue
+            for task, rows, tolerance, unit in TOLERANCES:
+                residual = float(np.linalg.norm(errors[i, rows]))
+                if not residual <= tolerance:
+                    raise IkError((start + i) * self.tasks.dt, task, residual, tolerance, unit)
+
+    def _refuse_limits(self, start: int, end: int) -> None:
+        if not self.tuning.keep_limits:
+            return
+        span, robot = self.angles[start:end], self.robot
+        outside = (span < robot.lower) | (span > robot.upper)
+        if outside.any():
+            i, joint = np.argwhere(outside)[0]
+            raise JointLimitError(
+                (start + i) * self.tasks.dt,
+                robot.joint_names[joint],
+                float(span[i, joint]),
+                float(robot.lower[joint]),
+                float(robot.upper[joint]),
+            )

@@ -1,0 +1,40 @@
+"""The choice of the IK solver."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from mgs.com_generator import ComTrajectory
+from mgs.gait import IkParameters
+from mgs.ik_solver.clik import ClosedLoopIk
+from mgs.ik_solver.joint_trajectory import JointTrajectory
+from mgs.robot import Robot
+from mgs.trajectory_planner import TaskTrajectory
+
+
+class IkSolver(Protocol):
+    """Frozen tuning and one method that takes the whole task trajectory."""
+
+    @classmethod
+    def from_parameters(cls, parameters: IkParameters) -> IkSolver:
+        """Solver with the tuning of a gait file."""
+        ...
+
+    def solve(self, robot: Robot, tasks: TaskTrajectory, com: ComTrajectory) -> JointTrajectory:
+        """Joint angles that meet the tasks at every sample.
+
+        Raises:
+            IkError: a task is missed.
+            JointLimitError: a joint leaves its range.
+        """
+        ...
+
+
+SOLVERS: dict[str, type[IkSolver]] = {"clik": ClosedLoopIk}
+
+
+def solve_ik(
+    robot: Robot, tasks: TaskTrajectory, com: ComTrajectory, parameters: IkParameters
+) -> JointTrajectory:
+    """Stage 4: joint angles that meet the tasks; see `IkSolver.solve` for the errors."""
+    return SOLVERS[parameters.solver].from_parameters(parameters).solve(robot, tasks, com)

@@ -1,0 +1,88 @@
+"""The fifteen task coordinates of a robot that stands on one sole, and their Jacobian.
+
+    t = [ swing sole position, right hand, left hand, CoM, swing sole orientation ]
+
+as in the Melson paper, eq. (27), but written in the world frame: the support tree is placed at its
+sole, which turns all rows alike and changes no joint velocity. Orientation errors are rotation
+vectors (log map), not differences of Euler angles.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from mgs.contact import Side
+from mgs.robot import Robot
+from mgs.support_tree import SupportTree, build_support_tree
+
+Array = NDArray[np.float64]
+N_TASKS = 15
+SWING, RIGHT_HAND, LEFT_HAND, COM = slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 12)
+TURN = slice(12, 15)
+
+
+class TreeTasks:
+    """Task values and Jacobian of one support tree, in buffers that every update refills.
+
+    Attributes:
+        J: (15, n) task Jacobian in the tree's joint order; rows in the world frame.
+        f: (12,) positions of swing sole, right hand, left hand and CoM [m].
+        R: (3, 3) rotation of the swing sole.
+        order: (n,) joints of the robot in the order of the tree.
+    """
+
+    def __init__(self, robot: Robot, side: Side) -> None:
+        tree: SupportTree = build_support_tree(robot, side)
+        self.tree = tree
+        self.model, self.data = tree.model, tree.model.createData()
+        self.order = tree.order
+        self.mass = robot.mass
+        self._com_scale = 1.0 - tree.root_mass / robot.mass  # the tree lacks its root link
+        self._com_root = np.zeros(3)  # share of the root link in the CoM
+        self.J = np.zeros((N_TASKS, robot.n))
+        self.f = np.zeros(12)
+        self.R = np.eye(3)
+
+    def place(self, T_world_sole: pin.SE3) -> None:
+        """Stand on a sole at this pose."""
+        self.tree.place(T_world_sole)
+        share = self.tree.root_mass / self.mass
+        self._com_root[:] = share * T_world_sole.act(self.tree.root_com)
+
+    def update(self, q: Array) -> None:
+        """Refill J, f and R at joint angles q (n,) in the tree's order."""
+        model, data, tree, J, f = self.model, self.data, self.tree, self.J, self.f
+        J_com = pin.jacobianCenterOfMass(model, data, q, False)  # also places joints, fills data.J
+        swing = pin.updateFramePlacement(model, data, tree.swing_sole)
+        left = pin.updateFramePlacement(model, data, tree.hands[0])
+        right = pin.updateFramePlacement(model, data, tree.hands[1])
+        f[SWING], f[LEFT_HAND], f[RIGHT_HAND] = (
+            swing.translation,
+            left.translation,
+            right.translation,
+        )
+        f[COM] = data.com[0]
+        f[COM] *= self._com_scale
+        f[COM] += self._com_root
+        self.R = swing.rotation
+        aligned = pin.LOCAL_WORLD_ALIGNED
+        J_swing = pin.getFrameJacobian(model, data, tree.swing_sole, aligned)
+        J[SWING], J[TURN] = J_swing[:3], J_swing[3:]
+        J[LEFT_HAND] = pin.getFrameJacobian(model, data, tree.hands[0], aligned)[:3]
+        J[RIGHT_HAND] = pin.getFrameJacobian(model, data, tree.hands[1], aligned)[:3]
+        np.multiply(J_com, self._com_scale, out=J[COM])
+
+    def error(self, positions: Array, R_ref: Array, out: Array) -> None:
+        """Target minus actual (15,): positions (12,) in the order of f and swing rotation (3, 3)."""
+        np.subtract(positions, self.f, out=out[:12])
+        out[TURN] = pin.log3(R_ref @ self.R.T)
+
+    def gravity(self, q: Array) -> tuple[Array, Array]:
+        """Gravity torques (n,) [N m] and their derivative (n, n), in the tree's order.
+
+        tau = -J_com^T M g and d tau / dq of the standing robot: Melson paper, eq. (24).
+        """
+        derivative = pin.computeGeneralizedGravityDerivatives(self.model, self.data, q)
+        return self.data.g, derivative

@@ -1,0 +1,268 @@
+"""ROS 2 messages in CDR, encoded for a whole trajectory at once.
+
+Little-endian plain CDR (XCDR1: OMG DDS-XTypes 1.3, 7.4, in the encapsulation of DDSI-RTPS 2.3, 10):
+a message is the four bytes 00 01 00 00 and a body in which every number stands at a multiple of its
+own size; a string is its length with the closing zero, the text and that zero; a sequence is its
+length and its elements.
+
+Messages of one topic differ in a few numbers only. A `Layout` is such a message encoded once with
+`Slot`s where those numbers go; it then fills or reads N messages as one (N, size) array of bytes.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Bytes = NDArray[np.uint8]
+Columns = Mapping[str, NDArray[Any]]
+
+ENCAPSULATION = b"\x00\x01\x00\x00"
+PRIMITIVES = {
+    "bool": "?",
+    "uint8": "B",
+    "int32": "i",
+    "uint32": "I",
+    "float32": "f",
+    "float64": "d",
+}
+
+# Fields of the message types that we write, constants left out (ROS 2 Humble and later).
+DEFINITIONS = {
+    "builtin_interfaces/Duration": ("int32 sec", "uint32 nanosec"),
+    "builtin_interfaces/Time": ("int32 sec", "uint32 nanosec"),
+    "geometry_msgs/Point": ("float64 x", "float64 y", "float64 z"),
+    "geometry_msgs/PointStamped": ("std_msgs/Header header", "geometry_msgs/Point point"),
+    "geometry_msgs/Pose": ("geometry_msgs/Point position", "geometry_msgs/Quaternion orientation"),
+    "geometry_msgs/PoseStamped": ("std_msgs/Header header", "geometry_msgs/Pose pose"),
+    "geometry_msgs/Quaternion": ("float64 x", "float64 y", "float64 z", "float64 w"),
+    "geometry_msgs/Transform": (
+        "geometry_msgs/Vector3 translation",
+        "geometry_msgs/Quaternion rotation",
+    ),
+    "geometry_msgs/TransformStamped": (
+        "std_msgs/Header header",
+        "string child_frame_id",
+        "geometry_msgs/Transform transform",
+    ),
+    "geometry_msgs/Twist": ("geometry_msgs/Vector3 linear", "geometry_msgs/Vector3 angular"),
+    "geometry_msgs/TwistStamped": ("std_msgs/Header header", "geometry_msgs/Twist twist"),
+    "geometry_msgs/Vector3": ("float64 x", "float64 y", "float64 z"),
+    "sensor_msgs/CompressedImage": ("std_msgs/Header header", "string format", "uint8[] data"),
+    "sensor_msgs/JointState": (
+        "std_msgs/Header header",
+        "string[] name",
+        "float64[] position",
+        "float64[] velocity",
+        "float64[] effort",
+    ),
+    "std_msgs/ColorRGBA": ("float32 r", "float32 g", "float32 b", "float32 a"),
+    "std_msgs/Header": ("builtin_interfaces/Time stamp", "string frame_id"),
+    "std_msgs/String": ("string data",),
+    "tf2_msgs/TFMessage": ("geometry_msgs/TransformStamped[] transforms",),
+    "trajectory_msgs/JointTrajectory": (
+        "std_msgs/Header header",
+        "string[] joint_names",
+        "trajectory_msgs/JointTrajectoryPoint[] points",
+    ),
+    "trajectory_msgs/JointTrajectoryPoint": (
+        "float64[] positions",
+        "float64[] velocities",
+        "float64[] accelerations",
+        "float64[] effort",
+        "builtin_interfaces/Duration time_from_start",
+    ),
+    "visualization_msgs/Marker": (
+        "std_msgs/Header header",
+        "string ns",
+        "int32 id",
+        "int32 type",
+        "int32 action",
+        "geometry_msgs/Pose pose",
+        "geometry_msgs/Vector3 scale",
+        "std_msgs/ColorRGBA color",
+        "builtin_interfaces/Duration lifetime",
+        "bool frame_locked",
+        "geometry_msgs/Point[] points",
+        "std_msgs/ColorRGBA[] colors",
+        "string texture_resource",
+        "sensor_msgs/CompressedImage texture",
+        "visualization_msgs/UVCoordinate[] uv_coordinates",
+        "string text",
+        "string mesh_resource",
+        "visualization_msgs/MeshFile mesh_file",
+        "bool mesh_use_embedded_materials",
+    ),
+    "visualization_msgs/MarkerArray": ("visualization_msgs/Marker[] markers",),
+    "visualization_msgs/MeshFile": ("string filename", "uint8[] data"),
+    "visualization_msgs/UVCoordinate": ("float32 u", "float32 v"),
+}
+
+
+def full_name(kind: str) -> str:
+    """Name of a message type as ROS writes it: `std_msgs/String` is `std_msgs/msg/String`."""
+    package, name = kind.split("/")
+    return f"{package}/msg/{name}"
+
+
+def schema_text(kind: str) -> str:
+    """Definition of a message type and of all types in it, in ROS's `ros2msg` form."""
+    kinds = [kind]
+    _collect(kind, kinds)
+    texts = ["\n".join(DEFINITIONS[k]) + "\n" for k in kinds]
+    heads = [f"{'=' * 80}\nMSG: {k}\n" for k in kinds[1:]]
+    return texts[0] + "".join(h + t for h, t in zip(heads, texts[1:], strict=True))
+
+
+def _collect(kind: str, found: list[str]) -> None:
+    """Add the types used in `kind`, depth first, in order of appearance."""
+    for line in DEFINITIONS[kind]:
+        part = line.split()[0].removesuffix("[]")
+        if part in DEFINITIONS and part not in found:
+            found.append(part)
+            _collect(part, found)
+
+
+@dataclass(frozen=True)
+class Slot:
+    """Place of `count` equal numbers that change from message to message.
+
+    It stands for a sequence of that length or for a message of that many numbers.
+    """
+
+    name: str
+    count: int
+    dtype: str = "<f8"
+
+    @property
+    def size(self) -> int:
+        """Bytes taken."""
+        return self.count * np.dtype(self.dtype).itemsize
+
+
+@dataclass(frozen=True)
+class Counted:
+    """A sequence that announces `count` elements and holds only the first of them."""
+
+    count: int
+    items: Sequence[Any]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Bytes (size,) common to all messages of a topic, and the slots with their byte offsets."""
+
+    template: Bytes
+    slots: tuple[tuple[Slot, int], ...]
+
+    @property
+    def size(self) -> int:
+        """Length of one message [bytes]."""
+        return len(self.template)
+
+    def fill(self, rows: Bytes, columns: Columns) -> None:
+        """Write N messages into rows (N, size); columns (N, count) by the name of their slot."""
+        rows[:] = self.template
+        for slot, offset in self.slots:
+            rows[:, offset : offset + slot.size].view(slot.dtype)[:] = columns[slot.name]
+
+    def encode(self, n: int, columns: Columns) -> Bytes:
+        """Messages (n, size) with these columns."""
+        rows = np.empty((n, self.size), dtype=np.uint8)
+        self.fill(rows, columns)
+        return rows
+
+    def decode(self, rows: Bytes) -> dict[str, NDArray[Any]]:
+        """Columns (N, count) of messages (N, size); overwrites `rows`.
+
+        Raises:
+            ValueError: a byte outside the slots differs from the layout.
+        """
+        columns: dict[str, NDArray[Any]] = {}
+        for slot, offset in self.slots:
+            part = rows[:, offset : offset + slot.size]
+            values = part.view(slot.dtype).copy()
+            if not np.array_equal(columns.setdefault(slot.name, values), values):
+                raise ValueError(f"two values of {slot.name} in one message differ")
+            part[:] = 0  # as in the template
+        if not (rows == self.template).all():
+            raise ValueError("a message is not laid out as expected")
+        return columns
+
+
+def message_layout(kind: str, value: Mapping[str, Any]) -> Layout:
+    """Layout of a message from nested mappings; what is not given is zero or empty."""
+    encoder = _Encoder(0)
+    encoder.put(kind, value)
+    return encoder.layout(ENCAPSULATION)
+
+
+def element_layout(kind: str, value: Mapping[str, Any], position: int) -> Layout:
+    """Layout of an element that begins `position` bytes into the body of a message."""
+    encoder = _Encoder(position)
+    encoder.put(kind, value)
+    return encoder.layout(b"")
+
+
+class _Encoder:
+    """Body of a message under construction."""
+
+    def __init__(self, position: int) -> None:
+        self.position = position
+        self.data = bytearray()
+        self.slots: list[tuple[Slot, int]] = []
+
+    def layout(self, head: bytes) -> Layout:
+        template = np.frombuffer(head + self.data, dtype=np.uint8)
+        return Layout(template, tuple((slot, len(head) + at) for slot, at in self.slots))
+
+    def put(self, kind: str, value: Any) -> None:
+        """Append a value; None is zero or empty."""
+        if isinstance(value, Slot):
+            self.put_slot(kind, value)
+        elif kind.endswith("[]"):
+            self.put_sequence(kind.removesuffix("[]"), () if value is None else value)
+        elif kind == "string":
+            self.put_string(value or "")
+        elif kind in PRIMITIVES:
+            self.put_number(PRIMITIVES[kind], value or 0)
+        else:
+            self.put_struct(kind, value or {})
+
+    def put_slot(self, kind: str, slot: Slot) -> None:
+        if kind.endswith("[]"):
+            self.put_number("I", slot.count)
+        self.align(np.dtype(slot.dtype).itemsize)
+        self.slots.append((slot, len(self.data)))
+        self.data += bytes(slot.size)
+
+    def put_sequence(self, kind: str, value: Sequence[Any] | Counted) -> None:
+        counted = value if isinstance(value, Counted) else Counted(len(value), value)
+        self.put_number("I", counted.count)
+        for item in counted.items:
+            self.put(kind, item)
+
+    def put_string(self, text: str) -> None:
+        data = text.encode() + b"\0"
+        self.put_number("I", len(data))
+        self.data += data
+
+    def put_number(self, code: str, number: float) -> None:
+        packed = struct.pack(f"<{code}", number)
+        self.align(len(packed))
+        self.data += packed
+
+    def put_struct(self, kind: str, value: Mapping[str, Any]) -> None:
+        fields = [line.split() for line in DEFINITIONS[kind]]
+        if unknown := set(value).difference(name for _, name in fields):
+            raise KeyError(f"{kind} has no field {', '.join(sorted(unknown))}")
+        for field_kind, name in fields:
+            self.put(field_kind, value.get(name))
+
+    def align(self, size: int) -> None:
+        self.data += bytes(-(self.position + len(self.data)) % size)

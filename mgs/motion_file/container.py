@@ -1,0 +1,280 @@
+"""MCAP files in which all messages of a topic and a time span are written and read as one array.
+
+Format: MCAP specification (mcap.dev/spec). The library's `Writer.add_message` and its reader cost
+some microseconds a message, more than computing the motion. So only the rare records go through
+`mcap.records`; Message and Message Index records have fixed places, and are arrays here.
+
+    Message       05 length:8  channel:2 sequence:4 log_time:8 publish_time:8 data
+    MessageIndex  07 length:8  channel:2 size:4 (log_time:8 offset:8)*
+    Chunk         06 length:8  start:8 end:8 size:8 crc:4 len("zstd"):4 "zstd" size:8 data
+
+Every byte of a file is under a checksum, the one of the data section or the one of the summary, and
+a reader looks at nothing else before it has checked both.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import struct
+import zlib
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any, BinaryIO, TypeVar
+
+import numpy as np
+import zstandard
+from mcap.data_stream import ReadDataStream, RecordBuilder
+from mcap.opcode import Opcode
+from mcap.records import (
+    Attachment,
+    AttachmentIndex,
+    Channel,
+    ChunkIndex,
+    DataEnd,
+    Footer,
+    Header,
+    McapRecord,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+    SummaryOffset,
+)
+from mcap.stream_reader import StreamReader
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from mgs.motion_file.cdr import Bytes, Layout, full_name, schema_text
+
+Times = NDArray[np.uint64]
+R = TypeVar("R", bound=McapRecord)
+
+MAGIC = b"\x89MCAP0\r\n"
+COMPRESSION_LEVEL = 1  # zstd; level 3 takes twice the time and saves 3 %
+MAX_CHUNK = 1 << 28  # [bytes] uncompressed; ours with samples are far below
+BLOCK = 1 << 20  # [bytes] read at a time
+CHUNK_HEAD = struct.Struct("<BQQQQII4sQ")
+INDEX_HEAD = struct.Struct("<BQHI")
+DATA_END = struct.Struct("<BQI")
+FOOTER = struct.Struct("<BQQQI")
+MESSAGE = np.dtype(
+    [
+        ("opcode", "u1"),
+        ("length", "<u8"),
+        ("channel", "<u2"),
+        ("sequence", "<u4"),
+        ("log_time", "<u8"),
+        ("publish_time", "<u8"),
+    ]
+)
+HEAD = MESSAGE.itemsize  # of a message, before its data [bytes]
+
+# ROS 2 quality of service, numbers because Humble reads no names; {} is 1 for transient-local
+# (late subscribers get it too) or 2 for volatile.
+QOS = """\
+- history: 1
+  depth: 10
+  reliability: 1
+  durability: {}
+  deadline: {{sec: 2147483647, nsec: 4294967295}}
+  lifespan: {{sec: 2147483647, nsec: 4294967295}}
+  liveliness: 1
+  liveliness_lease_duration: {{sec: 2147483647, nsec: 4294967295}}
+  avoid_ros_namespace_conventions: false
+"""
+
+
+class DamagedFileError(ValueError):
+    """A file is not MCAP, incomplete, or contradicts itself."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """Consecutive messages of one channel, as they stand in a chunk."""
+
+    channel: int
+    times: Times  # (N,) [ns]
+    offsets: NDArray[np.uint64]  # (N,) of the messages in the block
+    size: int  # [bytes]
+    parts: Iterable[Bytes | bytes]  # the records, in pieces of any length
+
+
+def message_rows(channel: int, times: Times, size: int) -> Bytes:
+    """Records (N, HEAD + size) of N messages whose data, rows[:, HEAD:], is still to be filled."""
+    rows = np.empty((len(times), HEAD + size), dtype=np.uint8)
+    head = rows[:, :HEAD].view(MESSAGE)[:, 0]
+    head["opcode"], head["length"], head["channel"] = Opcode.MESSAGE, HEAD - 9 + size, channel
+    head["sequence"], head["log_time"], head["publish_time"] = 0, times, times
+    return rows
+
+
+def block_of_rows(channel: int, times: Times, rows: Bytes) -> Block:
+    """Block of complete records (N, length) of one length."""
+    offsets = np.arange(len(rows), dtype=np.uint64) * np.uint64(rows.shape[1])
+    return Block(channel, times, offsets, rows.size, [rows.reshape(-1)])
+
+
+def block_of_message(channel: int, time: int, size: int, parts: Iterable[Bytes | bytes]) -> Block:
+    """Block of one message of any size, given in pieces; so it need not be in memory as a whole."""
+    times = np.array([time], dtype=np.uint64)
+    head = message_rows(channel, times, 0)
+    head.view(MESSAGE)["length"] += np.uint64(size)
+
+    def pieces() -> Iterator[Bytes | bytes]:
+        yield head.reshape(-1)
+        yield from parts
+
+    return Block(channel, times, np.zeros(1, dtype=np.uint64), HEAD + size, pieces())
+
+
+@dataclass
+class ChunkWriter:
+    """Writes one MCAP file of profile ros2 into a stream that can be read and rewound."""
+
+    stream: BinaryIO
+    library: str
+    schemas: dict[str, Schema] = field(default_factory=dict)
+    channels: list[Channel] = field(default_factory=list)
+    attachments: list[AttachmentIndex] = field(default_factory=list)
+    metadata: list[MetadataIndex] = field(default_factory=list)
+    chunks: list[ChunkIndex] = field(default_factory=list)
+    counts: Counter[int] = field(default_factory=Counter)
+
+    def __post_init__(self) -> None:
+        self.stream.write(MAGIC)
+        self._put(Header("ros2", self.library))
+
+    def add_channel(self, topic: str, kind: str, *, once: bool) -> int:
+        """Announce a topic of a message type and return its number.
+
+        Args:
+            topic: name with a leading slash.
+            kind: message type such as `std_msgs/String`.
+            once: written once, to be kept for late subscribers.
+        """
+        if kind not in self.schemas:
+            text = schema_text(kind).encode()
+            schema = Schema(
+                id=len(self.schemas) + 1, name=full_name(kind), encoding="ros2msg", data=text
+            )
+            self.schemas[kind] = schema
+            self._put(schema)
+        channel = Channel(
+            id=len(self.channels) + 1,
+            topic=topic,
+            message_encoding="cdr",
+            metadata={"offered_qos_profiles": QOS.format(1 if once else 2)},
+            schema_id=self.schemas[kind].id,
+        )
+        self.channels.append(channel)
+        self._put(channel)
+        return channel.id
+
+    def add_metadata(self, name: str, values: dict[str, str]) -> None:
+        """Write a metadata record."""
+        offset, length = self._put(Metadata(name, values))
+        self.metadata.append(MetadataIndex(offset, length, name))
+
+    def add_attachment(self, name: str, media_type: str, data: bytes, time: int) -> None:
+        """Write an attachment logged at `time` [ns]; it has no time of creation."""
+        offset, length = self._put(Attachment(0, time, name, media_type, data))
+        self.attachments.append(
+            AttachmentIndex(offset, length, time, 0, len(data), name, media_type)
+        )
+
+    def add_chunk(self, blocks: Sequence[Block]) -> None:
+        """Write a chunk of at least one message and its message indexes."""
+        start = self.stream.tell()
+        self.stream.seek(CHUNK_HEAD.size, os.SEEK_CUR)  # the head is known at the end
+        size = sum(block.size for block in blocks)
+        crc = self._compress(blocks, size)
+        index_start = self.stream.tell()
+        first = int(min(block.times.min() for block in blocks))
+        last = int(max(block.times.max() for block in blocks))
+        length = index_start - start
+        packed = length - CHUNK_HEAD.size
+        self.stream.seek(start)
+        self.stream.write(
+            CHUNK_HEAD.pack(Opcode.CHUNK, length - 9, first, last, size, crc, 4, b"zstd", packed)
+        )
+        self.stream.seek(index_start)
+        offsets = self._put_indexes(blocks)
+        index_length = self.stream.tell() - index_start
+        self.chunks.append(
+            ChunkIndex(
+                length, start, "zstd", packed, last, index_length, offsets, first, size
+            )
+        )
+
+    def finish(self) -> None:
+        """Write the end of the data section, the summary and the footer."""
+        self.stream.flush()
+        end = self.stream.tell()
+        self._put(DataEnd(crc_of(self.stream, end)))
+        builder, start = RecordBuilder(), self.stream.tell()
+        offsets = []
+        for group in self._summary():
+            group_start = builder.count
+            for record in group:
+                record.write(builder)
+            offsets.append(
+                SummaryOffset(_opcode(group), start + group_start, builder.count - group_start)
+            )
+        offsets_start = start + builder.count
+        for offset in offsets:
+            offset.write(builder)
+        Footer(start, offsets_start, 0).write(builder)
+        summary = builder.end()[:-4]
+        self.stream.write(summary + struct.pack("<I", zlib.crc32(summary)) + MAGIC)
+
+    def _put(self, record: McapRecord) -> tuple[int, int]:
+        """Write a record; returns its place and length."""
+        builder, offset = RecordBuilder(), self.stream.tell()
+        record.write(builder)
+        self.stream.write(data := builder.end())
+        return offset, len(data)
+
+    def _compress(self, blocks: Sequence[Block], size: int) -> int:
+        """Write the content of a chunk piece by piece; returns its checksum."""
+        crc = 0
+        packer = zstandard.ZstdCompressor(level=COMPRESSION_LEVEL).compressobj(size=size)
+        for block in blocks:
+            for part in block.parts:
+                crc = zlib.crc32(part, crc)
+                self.stream.write(packer.compress(part))
+        self.stream.write(packer.flush())
+        return crc
+
+    def _put_indexes(self, blocks: Sequence[Block]) -> dict[int, int]:
+        """Write the message indexes of a chunk; returns their places by channel."""
+        places, base = {}, 0
+        for block in blocks:
+            places[block.channel] = self.stream.tell()
+            pairs = np.stack([block.times, block.offsets + np.uint64(base)], axis=1)
+            self.stream.write(
+                INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, 6 + pairs.nbytes, block.channel, pairs.nbytes)
+            )
+            self.stream.write(pairs.astype("<u8").tobytes())
+            self.counts[block.channel] += len(pairs)
+            base += block.size
+        return places
+
+    def _summary(self) -> list[Sequence[McapRecord]]:
+        """Records of the summary, by kind; no kind is empty."""
+        statistics = Statistics(
+            attachment_count=len(self.attachments),
+            channel_count=len(self.channels),
+            channel_message_counts=dict(self.counts),
+            chunk_count=len(self.chunks),
+            message_count=self.counts.total(),
+            message_end_time=max(chunk.message_end_time for chunk in self.chunks),
+            message_start_time=min(chunk.message_start_time for chunk in self.chunks),
+            metadata_count=len(self.metadata),
+            schema_count=len(self.schemas),
+        )
+        schemas = list(self.schemas.values())
+        return [
+            schemas, self.channels, [statistics], self.chunks, self.attachments, self.metadata
+        ]

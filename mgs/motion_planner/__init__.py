@@ -1,0 +1,5 @@
+"""Stage 1: from a gait to footsteps and support phases."""
+
+from mgs.motion_planner.plan import MotionPlan, Phase, plan_motion
+
+__all__ = ["MotionPlan", "Phase", "plan_motion"]

@@ -1,0 +1,310 @@
+"""A robot: URDF and robot.yaml joined into one Pinocchio model with named soles, hands and limits."""
+
+from __future__ import annotations
+
+import functools
+import math
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from pydantic import Field
+
+from mgs.config import Model, build, parse_yaml, read_text
+from mgs.contact import Side
+from mgs.errors import ConfigError
+from mgs.gait import shipped_folder
+
+Array = NDArray[np.float64]
+Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
+FLOATING_BASE_NQ, FLOATING_BASE_NV = 7, 6
+
+
+class FrameSpec(Model):
+    """A frame in a link, axes parallel to the link's."""
+
+    link: str
+    position: Vector3 = Field([0.0, 0.0, 0.0], description="Origin in the link frame [m].")
+
+
+class SoleSpec(FrameSpec):
+    """Contact rectangle: frame at its centre, x forward, z up."""
+
+    length: float = Field(gt=0.0, le=1.0, description="Along x [m].")
+    width: float = Field(gt=0.0, le=1.0, description="Along y [m].")
+
+
+class ServoSpec(Model):
+    """Figures of one servo model."""
+
+    stall_torque: float = Field(gt=0.0, le=1e4, description="[N m]")
+    no_load_speed: float = Field(gt=0.0, le=100.0, description="[rad/s]")
+    resolution: float = Field(0.0, ge=0.0, le=0.1, description="One tick of the encoder [rad].")
+    armature: float = Field(
+        0.0, ge=0.0, le=10.0, description="Rotor inertia seen at the joint [kg m^2]."
+    )
+
+
+class PairOf(Model):
+    """One frame a side."""
+
+    left: FrameSpec
+    right: FrameSpec
+
+
+class SolePair(Model):
+    """One sole a side."""
+
+    left: SoleSpec
+    right: SoleSpec
+
+
+class RobotSpec(Model):
+    """A robot.yaml."""
+
+    mgs: Literal[1] = Field(description="Version of this format.")
+    name: str = Field(min_length=1, max_length=100)
+    urdf: str = Field("robot.urdf", description="URDF file, relative to the folder of robot.yaml.")
+    base_link: str = Field(description="Link that carries the floating base.")
+    torso: FrameSpec
+    soles: SolePair
+    hands: PairOf
+    posture: dict[str, float] = Field(
+        description="Half-sitting posture [rad]; joints not named stand at 0."
+    )
+    servos: dict[str, ServoSpec] = Field(description="Servo models by name.")
+    joints: dict[str, str] = Field(description="Servo model of every joint.")
+    groups: dict[str, list[str]] = Field({}, description="Names for sets of joints.")
+    ignore_collisions: list[Annotated[list[str], Field(min_length=2, max_length=2)]] = Field(
+        [], description="Pairs of links that may touch, besides adjacent ones."
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """A humanoid: Pinocchio model with a floating base, operational frames and servo limits.
+
+    Joint arrays have shape (n,) and follow `joint_names`; q is (7 + n,): base position, base
+    quaternion xyzw, joints; v is (6 + n,): base twist in the base frame, joints.
+    """
+
+    spec: RobotSpec
+    source: str
+    urdf: str
+    yaml: str
+    model: pin.Model
+    joint_names: tuple[str, ...]
+    lower: Array  # [rad]
+    upper: Array  # [rad]
+    speed_limit: Array  # no-load speed of the servo [rad/s]
+    torque_limit: Array  # stall torque of the servo [N m]
+    armature: Array  # [kg m^2]
+    posture: Array  # half-sitting joint angles [rad]
+    sole_frames: tuple[int, int]  # ids in `model`, left and right
+    hand_frames: tuple[int, int]
+    torso_frame: int
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return len(self.joint_names)
+
+    @functools.cached_property
+    def mass(self) -> float:
+        """Total mass [kg]."""
+        return float(pin.computeTotalMass(self.model))
+
+    def sole_spec(self, side: Side) -> SoleSpec:
+        """Contact rectangle of one sole."""
+        return self.spec.soles.left if side is Side.LEFT else self.spec.soles.right
+
+    @functools.cached_property
+    def standing_q(self) -> Array:
+        """Half-sitting posture (7 + n,), soles on the ground, the origin midway between them."""
+        q = pin.neutral(self.model)
+        q[FLOATING_BASE_NQ:] = self.posture
+        data = self.model.createData()
+        pin.framesForwardKinematics(self.model, data, q)
+        left, right = (data.oMf[frame] for frame in self.sole_frames)
+        middle = pin.SE3(left.rotation, 0.5 * (left.translation + right.translation))
+        base = middle.inverse()  # the base frame is the world at neutral
+        q[:FLOATING_BASE_NQ] = pin.SE3ToXYZQUAT(base)
+        return q
+
+    @functools.cached_property
+    def geometry(self) -> pin.GeometryModel:
+        """Collision shapes with every pair that is neither adjacent nor ignored."""
+        return _collision_pairs(self)
+
+
+def load_robot(name_or_dir: str | Path) -> Robot:
+    """Read a robot folder, or a shipped robot by name.
+
+    Raises:
+        ConfigError: a file is missing or malformed, or robot.yaml and URDF contradict each other.
+    """
+    folder = find_robot(name_or_dir)
+    path = folder / "robot.yaml"
+    text = read_text(path)
+    spec = build(RobotSpec, parse_yaml(text, path), path)
+    return build_robot(text, read_text(folder / spec.urdf), path)
+
+
+def find_robot(name_or_dir: str | Path) -> Path:
+    """Folder of a robot given by path or shipped name; raises ConfigError listing what ships."""
+    path = Path(name_or_dir)
+    path = path.parent if path.name == "robot.yaml" else path
+    shipped = shipped_folder("robots")
+    for folder in (path, shipped / name_or_dir):
+        if (folder / "robot.yaml").is_file():
+            return folder
+    raise ConfigError(
+        name_or_dir,
+        f"no robot.yaml there and no robot of that name; shipped: {', '.join(list_robots())}",
+    )
+
+
+def list_robots() -> list[str]:
+    """Names of the shipped robots."""
+    return sorted(path.parent.name for path in shipped_folder("robots").glob("*/robot.yaml"))
+
+
+def build_robot(yaml_text: str, urdf_text: str, source: str | Path) -> Robot:
+    """Robot from the texts of its two files; `source` names robot.yaml in messages."""
+    spec = build(RobotSpec, parse_yaml(yaml_text, source), source)
+    model = _parse_urdf(urdf_text, f"{source}: {spec.urdf}")
+    problems: list[str] = []
+    names = tuple(model.names[2:])
+    _check_names(spec, model, names, problems)
+    if problems:
+        raise ConfigError(source, problems)
+    servos = [spec.servos[spec.joints[name]] for name in names]
+    lower, upper = model.lowerPositionLimit[7:].copy(), model.upperPositionLimit[7:].copy()
+    posture = np.array([spec.posture.get(name, 0.0) for name in names])
+    for i, name in enumerate(names):
+        if not lower[i] < upper[i]:
+            problems.append(f"{spec.urdf}: joint {name}: limits [{lower[i]}, {upper[i]}] are empty")
+        elif not lower[i] <= posture[i] <= upper[i]:
+            problems.append(
+                f"posture.{name}: {posture[i]:.4f} rad is outside the joint's range "
+                f"[{lower[i]:.4f}, {upper[i]:.4f}] in {spec.urdf}"
+            )
+    if problems:
+        raise ConfigError(source, problems)
+    soles = tuple(
+        _add_frame(model, f"sole_{side.label}", frame)
+        for side, frame in zip(Side, (spec.soles.left, spec.soles.right), strict=True)
+    )
+    hands = tuple(
+        _add_frame(model, f"hand_{side.label}", frame)
+        for side, frame in zip(Side, (spec.hands.left, spec.hands.right), strict=True)
+    )
+    return Robot(
+        spec=spec,
+        source=str(source),
+        urdf=urdf_text,
+        yaml=yaml_text,
+        model=model,
+        joint_names=names,
+        lower=lower,
+        upper=upper,
+        speed_limit=np.array([servo.no_load_speed for servo in servos]),
+        torque_limit=np.array([servo.stall_torque for servo in servos]),
+        armature=np.array([servo.armature for servo in servos]),
+        posture=posture,
+        sole_frames=(soles[0], soles[1]),
+        hand_frames=(hands[0], hands[1]),
+        torso_frame=_add_frame(model, "torso_frame", spec.torso),
+    )
+
+
+def _parse_urdf(text: str, source: str) -> pin.Model:
+    return _call_parser(lambda: pin.buildModelFromXML(text, pin.JointModelFreeFlyer()), source)
+
+
+def _call_parser(parse: Callable[[], pin.Model], source: str) -> pin.Model:
+    try:
+        return parse()
+    except (RuntimeError, ValueError, ArithmeticError) as error:
+        reason = " ".join(str(error).split())
+        raise ConfigError(source, f"Pinocchio cannot read it as a URDF: {reason}") from error
+
+
+def _check_names(
+    spec: RobotSpec, model: pin.Model, names: tuple[str, ...], problems: list[str]
+) -> None:
+    def check_link(key: str, link: str) -> None:
+        if not model.existBodyName(link):
+            problems.append(f"{key}: {spec.urdf} has no link {link!r}")
+
+    for joint in range(2, model.njoints):
+        if model.joints[joint].nq != 1 or model.joints[joint].nv != 1:
+            problems.append(
+                f"{spec.urdf}: joint {model.names[joint]} is not a revolute joint with limits"
+            )
+    for key, frame in (
+        ("torso", spec.torso),
+        ("soles.left", spec.soles.left),
+        ("soles.right", spec.soles.right),
+        ("hands.left", spec.hands.left),
+        ("hands.right", spec.hands.right),
+    ):
+        check_link(f"{key}.link", frame.link)
+    check_link("base_link", spec.base_link)
+    if not problems and model.frames[model.getBodyId(spec.base_link)].parentJoint != 1:
+        problems.append(f"base_link: {spec.base_link!r} is not the root link of {spec.urdf}")
+    for pair in spec.ignore_collisions:
+        for link in pair:
+            check_link("ignore_collisions", link)
+    for name in names:
+        if name not in spec.joints:
+            problems.append(f"joints: no servo given for joint {name!r} of {spec.urdf}")
+        elif spec.joints[name] not in spec.servos:
+            problems.append(
+                f"joints.{name}: servo {spec.joints[name]!r} is not listed under servos"
+            )
+    groups = {f"groups.{group}": members for group, members in spec.groups.items()}
+    for key, members in {"joints": spec.joints, "posture": spec.posture, **groups}.items():
+        problems += [
+            f"{key}: {spec.urdf} has no joint {name!r}" for name in members if name not in names
+        ]
+
+
+def _add_frame(model: pin.Model, name: str, spec: FrameSpec) -> int:
+    body = model.frames[model.getBodyId(spec.link)]
+    placement = body.placement * pin.SE3(np.eye(3), np.array(spec.position))
+    frame = pin.Frame(name, body.parentJoint, model.getBodyId(spec.link), placement, pin.OP_FRAME)
+    return int(model.addFrame(frame))
+
+
+def _collision_pairs(robot: Robot) -> pin.GeometryModel:
+    with tempfile.TemporaryDirectory() as folder:  # Pinocchio reads geometry from files only
+        path = Path(folder) / "robot.urdf"
+        path.write_text(robot.urdf, encoding="utf-8")
+        geometry = pin.buildGeomFromUrdf(robot.model, str(path), pin.GeometryType.COLLISION)
+    bodies = [robot.model.frames[g.parentFrame] for g in geometry.geometryObjects]
+    ignored = {frozenset(pair) for pair in robot.spec.ignore_collisions}
+    parents = robot.model.parents
+    for i in range(geometry.ngeoms):
+        for j in range(i):
+            a, b = bodies[i], bodies[j]
+            joint_a, joint_b = a.parentJoint, b.parentJoint
+            adjacent = (
+                joint_a == joint_b or joint_a in (parents[joint_b],) or joint_b == parents[joint_a]
+            )
+            if not adjacent and frozenset((a.name, b.name)) not in ignored:
+                geometry.addCollisionPair(pin.CollisionPair(j, i))
+    return geometry
+
+
+def midpoint_width(robot: Robot) -> float:
+    """Distance of the sole centres in the half-sitting posture [m]."""
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.standing_q)
+    left, right = (data.oMf[frame].translation for frame in robot.sole_frames)
+    return float(math.hypot(*(left - right)[:2]))

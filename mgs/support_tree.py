@@ -1,0 +1,123 @@
+"""The robot as a tree that grows out of one sole.
+
+A robot that stands on a sole is a fixed-base manipulator whose root is that sole (Melson paper,
+section 4.2). Pinocchio roots a model where its URDF does; here the chain from the sole to the old
+root is turned round, so that Pinocchio's own algorithms (gravity torques and their derivatives, CoM
+Jacobian) hold for the standing robot.
+
+A joint with placement M (parent to joint frame at q = 0) and motion S(q) reads, seen from its child,
+
+    T_child_parent(q) = S(q)^-1 M^-1 = S'(q) M^-1        S' turns about the negative axis
+
+so that the turned joint sits at the child's origin and carries a body whose old frame lies at M^-1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from mgs.contact import Side
+from mgs.robot import Robot
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SupportTree:
+    """Fixed-base model of a robot that stands on one sole.
+
+    `model` has one joint for each of the robot's, in another order: q_tree = q_robot[order].
+    A fixed-base model ignores the mass of its root link; `root_mass` and `root_com` (sole frame)
+    give it back: com = (m com_tree + root_mass root_com) / mass.
+    """
+
+    side: Side
+    model: pin.Model
+    order: NDArray[np.intp]  # (n,)
+    root_mass: float  # [kg]
+    root_com: Array  # (3,), in the sole frame [m]
+    first_placements: tuple[tuple[int, pin.SE3], ...]  # joints that hang on the sole, in its frame
+    swing_sole: int  # frame ids
+    hands: tuple[int, int]
+    base: int
+
+    def place(self, T_world_sole: pin.SE3) -> None:
+        """Put the root sole somewhere in the world; Pinocchio's results are then in the world frame."""
+        for joint, placement in self.first_placements:
+            self.model.jointPlacements[joint] = T_world_sole * placement
+
+
+def build_support_tree(robot: Robot, side: Side) -> SupportTree:
+    """Re-root a robot at its left or right sole."""
+    source = robot.model
+    sole = source.frames[robot.sole_frames[side]]
+    root_joint = int(sole.parentJoint)
+    model = pin.Model()
+    model.gravity.linear = source.gravity.linear
+    order: list[int] = []
+    first: list[tuple[int, pin.SE3]] = []
+    # placed[j] = (joint in the new model, pose of the old frame of body j in that joint's frame)
+    placed: dict[int, tuple[int, pin.SE3]] = {root_joint: (0, sole.placement.inverse())}
+    neighbours = _neighbours(source)
+    stack = [(root_joint, neighbour) for neighbour in reversed(neighbours[root_joint])]
+    while stack:
+        here, there = stack.pop()
+        parent, T_parent_here = placed[here]
+        turned = source.parents[here] == there  # walking towards the old root
+        joint = here if turned else there
+        axis = _axis(source, joint)
+        placement = T_parent_here if turned else T_parent_here * source.jointPlacements[joint]
+        new = model.addJoint(
+            parent,
+            pin.JointModelRevoluteUnaligned(*(-axis if turned else axis)),
+            placement,
+            source.names[joint],
+        )
+        T_joint_body = source.jointPlacements[joint].inverse() if turned else pin.SE3.Identity()
+        placed[there] = (new, T_joint_body)
+        model.appendBodyToJoint(new, source.inertias[there], T_joint_body)
+        order.append(int(source.idx_vs[joint]) - 6)
+        if parent == 0:
+            first.append((new, placement))
+        stack += [(there, nxt) for nxt in reversed(neighbours[there]) if nxt != here]
+
+    def add(frame_id: int) -> int:
+        frame = source.frames[frame_id]
+        joint, T_joint_body = placed[int(frame.parentJoint)]
+        copy = pin.Frame(frame.name, joint, T_joint_body * frame.placement, pin.OP_FRAME)
+        return int(model.addFrame(copy))
+
+    inertia = sole.placement.inverse().act(source.inertias[root_joint])
+    base = source.getFrameId(robot.spec.base_link)
+    swing, hands = add(robot.sole_frames[side.other]), [add(f) for f in robot.hand_frames]
+    return SupportTree(
+        side=side,
+        model=model,
+        order=np.array(order),
+        root_mass=float(inertia.mass),
+        root_com=np.array(inertia.lever),
+        first_placements=tuple(first),
+        swing_sole=swing,
+        hands=(hands[0], hands[1]),
+        base=add(base),
+    )
+
+
+def _neighbours(model: pin.Model) -> list[list[int]]:
+    """Joints next to each joint; the floating base (joint 1) is a body like any other."""
+    out: list[list[int]] = [[] for _ in range(model.njoints)]
+    for joint in range(2, model.njoints):
+        out[model.parents[joint]].append(joint)
+        out[joint].append(model.parents[joint])
+    return out
+
+
+def _axis(model: pin.Model, joint: int) -> Array:
+    """Axis of a revolute joint in its own frame."""
+    data = model.joints[joint].createData()
+    model.joints[joint].calc(data, np.zeros(1), np.zeros(1))
+    return np.asarray(data.S).reshape(6)[3:]
