@@ -1,4 +1,4 @@
-"""The border to files that people write: safe YAML, strict models, messages that say what to change."""
+"""The border to files that people write: safe YAML, strict models, messages that help."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import difflib
 import re
 from collections.abc import Hashable, Iterable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 import pydantic
 import yaml
@@ -15,8 +15,6 @@ from mgs.errors import ConfigError
 
 MAX_BYTES = 1_000_000  # no gait or robot file comes near it; keeps a wrong file from filling memory
 MAX_DEPTH = 30  # nesting of any file that we read is below 6
-
-_SUGGESTION = re.compile(r"^[A-Za-z0-9_.]+$")
 
 
 class Model(pydantic.BaseModel):
@@ -31,24 +29,24 @@ M = TypeVar("M", bound=Model)
 
 
 class _Loader(yaml.SafeLoader):
-    """Safe loader that reads 1e-6 as a number, refuses repeated keys, aliases and deep nesting."""
+    """Safe loader that reads 1e-6 as a number, refuses repeated keys, aliases, tags, deep nesting."""
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        if self.check_event(yaml.AliasEvent):
-            event = self.peek_event()
-            raise yaml.composer.ComposerError(
-                None, None, "YAML aliases (*name) are not allowed", event.start_mark
-            )
+        event = self.peek_event()
         depth = getattr(self, "depth", 0)
+        if isinstance(event, yaml.AliasEvent):
+            self._refuse(event, "YAML aliases (*name) are not allowed")
+        if event.tag is not None:  # `!!int ""` and its like make PyYAML raise almost anything
+            self._refuse(event, "YAML tags (!name) are not allowed")
         if depth > MAX_DEPTH:
-            event = self.peek_event()
-            raise yaml.composer.ComposerError(
-                None, None, f"nested deeper than {MAX_DEPTH} levels", event.start_mark
-            )
+            self._refuse(event, f"nested deeper than {MAX_DEPTH} levels")
         self.depth = depth + 1
         node = super().compose_node(parent, index)
         self.depth = depth
         return node
+
+    def _refuse(self, event: yaml.Event, problem: str) -> NoReturn:
+        raise yaml.composer.ComposerError(None, None, problem, event.start_mark)
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Hashable, Any]:
         seen: set[Any] = set()
@@ -97,14 +95,24 @@ def read_text(path: Path) -> str:
         raise ConfigError(path, f"not a text file (byte {error.start} is not UTF-8)") from error
     except OSError as error:
         raise ConfigError(path, (error.strerror or str(error)).lower()) from error
+    except ValueError as error:  # a zero byte in the name
+        raise ConfigError(path, str(error)) from error
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; no where the system takes the name for too long to look."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def set_key(tree: Any, assignment: str, source: str = "--set") -> None:
     """Apply one `dotted.key=value` to nested dictionaries in place; the value is read as YAML."""
     key, equals, value = assignment.partition("=")
     path = key.strip().split(".")
-    if not equals or not all(path):
-        raise ConfigError(source, f"{assignment!r} is not of the form key.sub=value")
+    if not equals or not all(path) or len(path) > MAX_DEPTH:
+        raise ConfigError(source, f"{_short(assignment)} is not of the form key.sub=value")
     node = tree
     for part in path[:-1]:
         node = node.setdefault(part, {}) if isinstance(node, dict) else None
@@ -114,7 +122,7 @@ def set_key(tree: Any, assignment: str, source: str = "--set") -> None:
 
 
 def build(model: type[M], tree: Any, source: str | Path) -> M:
-    """Validate a tree; raises one ConfigError that names every bad key, its value and what is allowed."""
+    """Validate a tree; raises one ConfigError naming each bad key, its value and what is allowed."""
     if not isinstance(tree, dict):
         found = "nothing" if tree is None else f"a {type(tree).__name__}"
         raise ConfigError(source, f"expected keys and values at the top level, found {found}")
@@ -138,7 +146,9 @@ def _explain(model: type[Model], item: Any) -> str:
         return f"{location}: unknown key; {hint}"
     if kind == "missing":
         return f"{location}: missing, it has no default"
-    message = message.removeprefix("Value error, ")
+    if kind == "value_error":  # our own validators, which name keys and values themselves
+        message = message.removeprefix("Value error, ")
+        return message if location == "file" else f"{location}: {message}"
     return f"{location}: {message[0].lower()}{message[1:]}, found {_short(item['input'])}"
 
 
@@ -154,6 +164,9 @@ def _known_keys(model: type[Model], loc: Iterable[Any]) -> list[str]:
 
 
 def _short(value: object, limit: int = 60) -> str:
-    text = str(value) if isinstance(value, Exception) else repr(value)
+    try:
+        text = str(value) if isinstance(value, Exception) else repr(value)
+    except ValueError:  # Python writes no integer of more than 4300 digits
+        text = "a number of thousands of digits"
     text = " ".join(text.split())
     return text if len(text) <= limit else text[: limit - 3] + "..."

@@ -13,10 +13,11 @@ from typing import Annotated, Any, Literal
 import yaml
 from pydantic import Field, model_validator
 
-from mgs.config import Model, build, parse_yaml, read_text, set_key
+from mgs.config import Model, build, is_file, parse_yaml, read_text, set_key
 from mgs.errors import ConfigError
 
 SCHEMA_VERSION = 1
+MAX_SAMPLES = 2_000_000  # about 5 GB of arrays
 
 Duration = Annotated[float, Field(gt=0.0, le=60.0)]
 Length = Annotated[float, Field(ge=-1.0, le=1.0)]
@@ -121,6 +122,29 @@ class Gait(Model):
     com: ComParameters = ComParameters()
     ik: IkParameters = IkParameters()
 
+    @model_validator(mode="after")
+    def _rests_as_long_as_it_previews(self) -> Gait:
+        for key in ("lead_in", "lead_out"):
+            rest = getattr(self.walk, key)
+            if rest < self.com.preview:
+                raise ValueError(
+                    f"walk.{key} = {rest:g} s is shorter than the preview window com.preview = "
+                    f"{self.com.preview:g} s; the CoM would not be at rest: lengthen walk.{key}"
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _fits_into_memory(self) -> Gait:
+        walk = self.walk
+        duration = walk.lead_in + walk.lead_out + walk.double_support
+        duration += walk.n_steps * (walk.double_support + walk.single_support)
+        if duration / self.dt > MAX_SAMPLES:
+            raise ValueError(
+                f"{duration:.0f} s at dt = {self.dt:g} s are {duration / self.dt:.2g} samples, "
+                f"{MAX_SAMPLES:g} allowed; use fewer walk.n_steps or a larger dt"
+            )
+        return self
+
     def to_yaml(self) -> str:
         """The gait as resolved, every default written out."""
         return yaml.safe_dump(self.model_dump(), sort_keys=False, default_flow_style=None)
@@ -151,11 +175,11 @@ def parse_gait(text: str, source: str | Path, assignments: tuple[str, ...] = ())
 def find_gait(name_or_path: str | Path) -> Path:
     """Path of a gait given by path or shipped name; raises ConfigError listing what ships."""
     path = Path(name_or_path)
-    if path.is_file():
+    if is_file(path):
         return path
     shipped = shipped_folder("gaits")
     named = shipped / f"{name_or_path}.yaml"
-    if named.is_file() and shipped in named.resolve().parents:
+    if is_file(named) and shipped in named.resolve().parents:
         return named
     names = ", ".join(list_gaits())
     raise ConfigError(name_or_path, f"no such file and no gait of that name; shipped: {names}")

@@ -14,19 +14,17 @@ Array = NDArray[np.float64]
 
 def compose_planar(pose: ArrayLike, offset: ArrayLike) -> Array:
     """Planar pose (..., 3) reached from `pose` by `offset` given in its own frame."""
-    pose, offset = np.asarray(pose, dtype=float), np.asarray(offset, dtype=float)
-    out = pose + offset
-    out[..., :2] = pose[..., :2] + rotate_planar(offset[..., :2], pose[..., 2])
+    start, step = np.asarray(pose, dtype=float), np.asarray(offset, dtype=float)
+    out = np.asarray(start + step)
+    out[..., :2] = start[..., :2] + rotate_planar(step[..., :2], start[..., 2])
     return out
 
 
 def rotate_planar(vector: ArrayLike, yaw: ArrayLike) -> Array:
     """Vectors (..., 2) turned by yaw (...) [rad]."""
-    vector = np.asarray(vector, dtype=float)
+    x, y = np.moveaxis(np.asarray(vector, dtype=float), -1, 0)
     c, s = np.cos(yaw), np.sin(yaw)
-    return np.stack(
-        [c * vector[..., 0] - s * vector[..., 1], s * vector[..., 0] + c * vector[..., 1]], axis=-1
-    )
+    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
 def quat_xyzw_from_yaw(yaw: ArrayLike) -> Array:
@@ -68,15 +66,15 @@ def wrap_angle(angle: ArrayLike) -> Array:
 
 
 def quintic(s: ArrayLike) -> Array:
-    """Minimum-jerk blend (...) from 0 to 1 over s in [0, 1]; zero speed and acceleration at both ends."""
-    s = np.clip(np.asarray(s, dtype=float), 0.0, 1.0)
-    return s**3 * (10.0 + s * (-15.0 + 6.0 * s))
+    """Minimum-jerk blend (...) from 0 to 1 for s in [0, 1], at rest at both ends."""
+    u = np.clip(np.asarray(s, dtype=float), 0.0, 1.0)
+    return u**3 * (10.0 + u * (-15.0 + 6.0 * u))
 
 
 def bump(s: ArrayLike) -> Array:
-    """Rise from 0 to 1 at s = 1/2 and back; zero speed and acceleration at both ends: 64 s^3 (1-s)^3."""
-    s = np.clip(np.asarray(s, dtype=float), 0.0, 1.0)
-    return (4.0 * s * (1.0 - s)) ** 3
+    """Rise from 0 to 1 at s = 1/2 and back, at rest at both ends: 64 s^3 (1 - s)^3."""
+    u = np.clip(np.asarray(s, dtype=float), 0.0, 1.0)
+    return (4.0 * u * (1.0 - u)) ** 3
 
 
 def sole_corners(poses: ArrayLike, length: float, width: float) -> Array:

@@ -1,4 +1,4 @@
-"""The motion that the pipeline makes, that a motion file holds and that checks and physics judge."""
+"""The motion that the pipeline makes, a motion file holds and checks and physics judge."""
 
 from __future__ import annotations
 

@@ -17,6 +17,7 @@ from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 
 T = TypeVar("T")
+Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +32,16 @@ class Stages:
     seconds: dict[str, float] = field(default_factory=dict)  # wall time of each stage
 
 
-def generate(robot: Robot, gait: Gait, name: str = "gait") -> Stages:
+def generate(
+    robot: Robot, gait: Gait, name: str = "gait", progress: Progress | None = None
+) -> Stages:
     """Run the four stages.
+
+    Args:
+        robot: the robot.
+        gait: what it shall do.
+        name: name of the gait, for the motion file.
+        progress: called with samples done and samples in all by the IK.
 
     Raises:
         ConfigError: values of the gait that do not fit each other or this robot.
@@ -42,7 +51,7 @@ def generate(robot: Robot, gait: Gait, name: str = "gait") -> Stages:
     plan = _timed(seconds, "motion_planner", lambda: plan_motion(robot, gait))
     tasks = _timed(seconds, "trajectory_planner", lambda: plan_trajectories(plan))
     com = _timed(seconds, "com_generator", lambda: generate_com(tasks, gait.com))
-    joints = _timed(seconds, "ik_solver", lambda: solve_ik(robot, tasks, com, gait.ik))
+    joints = _timed(seconds, "ik_solver", lambda: solve_ik(robot, tasks, com, gait.ik, progress))
     motion = _timed(
         seconds, "dynamics", lambda: assemble(robot, gait, name, plan, tasks, com, joints)
     )

@@ -1,4 +1,4 @@
-"""A robot: URDF and robot.yaml joined into one Pinocchio model with named soles, hands and limits."""
+"""A robot: URDF and robot.yaml joined into one Pinocchio model with soles, hands and limits."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from pydantic import Field
 
-from mgs.config import Model, build, parse_yaml, read_text
+from mgs.config import Model, build, is_file, parse_yaml, read_text
 from mgs.contact import Side
 from mgs.errors import ConfigError
 from mgs.gait import shipped_folder
@@ -101,7 +101,8 @@ class Robot:
     joint_names: tuple[str, ...]
     lower: Array  # [rad]
     upper: Array  # [rad]
-    speed_limit: Array  # no-load speed of the servo [rad/s]
+    speed_limit: Array  # of the URDF, at most the servo's no-load speed [rad/s]
+    no_load_speed: Array  # of the servo [rad/s]
     torque_limit: Array  # stall torque of the servo [N m]
     armature: Array  # [kg m^2]
     posture: Array  # half-sitting joint angles [rad]
@@ -161,7 +162,7 @@ def find_robot(name_or_dir: str | Path) -> Path:
     path = path.parent if path.name == "robot.yaml" else path
     shipped = shipped_folder("robots")
     for folder in (path, shipped / name_or_dir):
-        if (folder / "robot.yaml").is_file():
+        if is_file(folder / "robot.yaml"):
             return folder
     raise ConfigError(
         name_or_dir,
@@ -185,6 +186,7 @@ def build_robot(yaml_text: str, urdf_text: str, source: str | Path) -> Robot:
         raise ConfigError(source, problems)
     servos = [spec.servos[spec.joints[name]] for name in names]
     lower, upper = model.lowerPositionLimit[7:].copy(), model.upperPositionLimit[7:].copy()
+    no_load_speed = np.array([servo.no_load_speed for servo in servos])
     posture = np.array([spec.posture.get(name, 0.0) for name in names])
     for i, name in enumerate(names):
         if not lower[i] < upper[i]:
@@ -213,7 +215,8 @@ def build_robot(yaml_text: str, urdf_text: str, source: str | Path) -> Robot:
         joint_names=names,
         lower=lower,
         upper=upper,
-        speed_limit=np.array([servo.no_load_speed for servo in servos]),
+        speed_limit=np.minimum(model.velocityLimit[6:], no_load_speed),
+        no_load_speed=no_load_speed,
         torque_limit=np.array([servo.stall_torque for servo in servos]),
         armature=np.array([servo.armature for servo in servos]),
         posture=posture,

@@ -5,7 +5,7 @@ section 4.2). Pinocchio roots a model where its URDF does; here the chain from t
 root is turned round, so that Pinocchio's own algorithms (gravity torques and their derivatives, CoM
 Jacobian) hold for the standing robot.
 
-A joint with placement M (parent to joint frame at q = 0) and motion S(q) reads, seen from its child,
+A joint with placement M (parent to joint frame at q = 0) and motion S(q) reads, from its child,
 
     T_child_parent(q) = S(q)^-1 M^-1 = S'(q) M^-1        S' turns about the negative axis
 
@@ -46,7 +46,7 @@ class SupportTree:
     base: int
 
     def place(self, T_world_sole: pin.SE3) -> None:
-        """Put the root sole somewhere in the world; Pinocchio's results are then in the world frame."""
+        """Put the root sole somewhere in the world, the frame of all results from then on."""
         for joint, placement in self.first_placements:
             self.model.jointPlacements[joint] = T_world_sole * placement
 

@@ -98,7 +98,7 @@ def _no_gain(what: str, reason: str) -> ConfigError:
 def follow_zmp(
     zmp_ref: Array, com_height: Array, dt: float, parameters: ComParameters
 ) -> ComTrajectory:
-    """CoM motion from rest above zmp_ref[0] that follows zmp_ref (N, 2) at com_height (N,) [m].
+    """CoM motion from rest above zmp_ref[0] following zmp_ref (N, 2) at com_height (N,) [m].
 
     Raises:
         ConfigError: see `preview_gains`.

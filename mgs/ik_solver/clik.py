@@ -9,12 +9,14 @@ Melson paper). J has full row rank m < n, so that J^+ needs no SVD:
     H_joint = 1/2 sum ((q - q_mid) / (q_max - q_min))^2,   H_grav = 1/2 tau^T W tau
 
 The tree is rooted at the support sole. H_grav makes sense in single support only: gamma_grav falls
-linearly to zero before double support and rises after it. W = s^2 I with s = 0.70 kg m / (M z_c), so
-that a gain means the same on every robot.
+linearly to zero before double support and rises after it. W = s^2 I with s = 0.70 kg m / (M z_c),
+so that a gain means the same on every robot.
 """
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,9 +72,15 @@ class ClosedLoopIk:
             keep_limits=parameters.on_limit == "refuse",
         )
 
-    def solve(self, robot: Robot, tasks: TaskTrajectory, com: ComTrajectory) -> JointTrajectory:
+    def solve(
+        self,
+        robot: Robot,
+        tasks: TaskTrajectory,
+        com: ComTrajectory,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> JointTrajectory:
         """Follow the tasks from the half-sitting posture; see `IkSolver.solve` for the errors."""
-        return _Run(self, robot, tasks, com).follow()
+        return _Run(self, robot, tasks, com).follow(progress)
 
 
 def gravity_gain_profile(support: NDArray[np.int8], dt: float, ramp: float) -> Array:
@@ -116,12 +124,12 @@ class _Run:
         self.A = np.empty((N_TASKS, N_TASKS))
         self.diagonal = self.A.ravel()[:: N_TASKS + 1]  # a view
 
-    def follow(self) -> JointTrajectory:
+    def follow(self, progress: Callable[[int, int], None] | None) -> JointTrajectory:
         """Walk through the spans that stand on one sole, since each has its own tree."""
         roots, n = self.tasks.root, self.tasks.n_samples
         bounds = [0, *(np.flatnonzero(np.diff(roots)) + 1), n]
         q = self.robot.posture
-        for start, end in zip(bounds[:-1], bounds[1:], strict=True):
+        for start, end in itertools.pairwise(bounds):
             tree = self.trees[roots[start]]
             tree.place(pin.XYZQUATToSE3(self.tasks.soles[start, roots[start]]))
             positions, rotations = self._targets(start, end)
@@ -132,6 +140,8 @@ class _Run:
             self._refuse_misses(start, errors)
             self._refuse_limits(start, end)
             q = self.angles[end - 1]
+            if progress is not None:
+                progress(end, n)
         return JointTrajectory(self.angles, self.updates)
 
     def _targets(self, start: int, end: int) -> tuple[Array, Array]:
@@ -153,7 +163,7 @@ class _Run:
     def _follow_span(
         self, tree: TreeTasks, q: Array, start: int, positions: Array, rotations: Array
     ) -> Array:
-        """Fill `angles` from sample `start`, beginning at q (n,); task errors (m, 15) that remain."""
+        """Fill `angles` from sample `start`, beginning at q (n,); remaining task errors (m, 15)."""
         order, angles, threshold2 = tree.order, self.angles, self.threshold2
         middle, inverse_range2 = self.middle[order], self.inverse_range2[order]
         errors = np.empty((len(positions), N_TASKS))

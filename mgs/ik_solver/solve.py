@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 from mgs.com_generator import ComTrajectory
@@ -10,6 +11,8 @@ from mgs.ik_solver.clik import ClosedLoopIk
 from mgs.ik_solver.joint_trajectory import JointTrajectory
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
+
+Progress = Callable[[int, int], None]
 
 
 class IkSolver(Protocol):
@@ -20,8 +23,16 @@ class IkSolver(Protocol):
         """Solver with the tuning of a gait file."""
         ...
 
-    def solve(self, robot: Robot, tasks: TaskTrajectory, com: ComTrajectory) -> JointTrajectory:
+    def solve(
+        self,
+        robot: Robot,
+        tasks: TaskTrajectory,
+        com: ComTrajectory,
+        progress: Progress | None = None,
+    ) -> JointTrajectory:
         """Joint angles that meet the tasks at every sample.
+
+        `progress` is called with samples done and samples in all.
 
         Raises:
             IkError: a task is missed.
@@ -34,7 +45,11 @@ SOLVERS: dict[str, type[IkSolver]] = {"clik": ClosedLoopIk}
 
 
 def solve_ik(
-    robot: Robot, tasks: TaskTrajectory, com: ComTrajectory, parameters: IkParameters
+    robot: Robot,
+    tasks: TaskTrajectory,
+    com: ComTrajectory,
+    parameters: IkParameters,
+    progress: Progress | None = None,
 ) -> JointTrajectory:
     """Stage 4: joint angles that meet the tasks; see `IkSolver.solve` for the errors."""
-    return SOLVERS[parameters.solver].from_parameters(parameters).solve(robot, tasks, com)
+    return SOLVERS[parameters.solver].from_parameters(parameters).solve(robot, tasks, com, progress)

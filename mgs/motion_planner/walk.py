@@ -42,7 +42,7 @@ def plan_walk(robot: Robot, gait: Gait) -> MotionPlan:
 
 
 def plan_footsteps(walk: WalkParameters, width: float, first_support: Side) -> tuple[Footstep, ...]:
-    """The two initial footsteps (left, right), then one per step; the origin lies between the first two."""
+    """The two initial footsteps (left, right) about the origin, then one per step."""
     centre = np.zeros(3)
     footsteps = [_beside(centre, side, width) for side in Side]
     swing = first_support.other
@@ -63,7 +63,7 @@ def _beside(centre: Array, side: Side, width: float) -> Footstep:
 
 
 def _first_support(walk: WalkParameters) -> Side:
-    """The side asked for, else the one that lets the leading foot of a side step or turn begin."""
+    """The side asked for, else the one that lets the leading foot begin."""
     if walk.first_support is not None:
         return Side[walk.first_support.upper()]
     return Side.RIGHT if (walk.lateral or walk.step_yaw) > 0.0 else Side.LEFT
@@ -88,7 +88,7 @@ def _refuse_overlap(robot: Robot, footsteps: tuple[Footstep, ...], walk: WalkPar
 
 
 def _boundaries(walk: WalkParameters, dt: float) -> list[int]:
-    """Samples at which phases begin: lead-in, then shift, step, ..., shift, lead-out, and the end."""
+    """Samples at which phases begin: lead-in, shift, step, ..., shift, lead-out, and the end."""
     steps = [walk.double_support, walk.single_support] * walk.n_steps
     durations = [walk.lead_in, *steps, walk.double_support, walk.lead_out]
     samples = np.round(np.concatenate([[0.0], np.cumsum(durations)]) / dt).astype(int)

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class TaskTrajectory:
-    """Stage 2: references at every sample; world frame, first axis time, side axis (left, right)."""
+    """Stage 2: references at every sample; world frame, first axis time, then (left, right)."""
 
     dt: float  # [s]
     support: NDArray[np.int8]  # (N,) values of Support

@@ -1,4 +1,4 @@
-"""MCAP files in which all messages of a topic and a time span are written and read as one array.
+"""Writing MCAP files in which all messages of a topic and a time span are one array.
 
 Format: MCAP specification (mcap.dev/spec). The library's `Writer.add_message` and its reader cost
 some microseconds a message, more than computing the motion. So only the rare records go through
@@ -8,24 +8,22 @@ some microseconds a message, more than computing the motion. So only the rare re
     MessageIndex  07 length:8  channel:2 size:4 (log_time:8 offset:8)*
     Chunk         06 length:8  start:8 end:8 size:8 crc:4 len("zstd"):4 "zstd" size:8 data
 
-Every byte of a file is under a checksum, the one of the data section or the one of the summary, and
-a reader looks at nothing else before it has checked both.
+Every byte is under a checksum, that of the data section or that of the summary.
 """
 
 from __future__ import annotations
 
-import io
 import os
 import struct
 import zlib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any, BinaryIO, TypeVar
+from typing import BinaryIO
 
 import numpy as np
 import zstandard
-from mcap.data_stream import ReadDataStream, RecordBuilder
+from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import (
     Attachment,
@@ -42,23 +40,17 @@ from mcap.records import (
     Statistics,
     SummaryOffset,
 )
-from mcap.stream_reader import StreamReader
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from mgs.motion_file.cdr import Bytes, Layout, full_name, schema_text
+from mgs.motion_file.cdr import Bytes, full_name, schema_text
 
 Times = NDArray[np.uint64]
-R = TypeVar("R", bound=McapRecord)
 
 MAGIC = b"\x89MCAP0\r\n"
 COMPRESSION_LEVEL = 1  # zstd; level 3 takes twice the time and saves 3 %
-MAX_CHUNK = 1 << 28  # [bytes] uncompressed; ours with samples are far below
 BLOCK = 1 << 20  # [bytes] read at a time
 CHUNK_HEAD = struct.Struct("<BQQQQII4sQ")
 INDEX_HEAD = struct.Struct("<BQHI")
-DATA_END = struct.Struct("<BQI")
-FOOTER = struct.Struct("<BQQQI")
 MESSAGE = np.dtype(
     [
         ("opcode", "u1"),
@@ -71,23 +63,19 @@ MESSAGE = np.dtype(
 )
 HEAD = MESSAGE.itemsize  # of a message, before its data [bytes]
 
-# ROS 2 quality of service, numbers because Humble reads no names; {} is 1 for transient-local
-# (late subscribers get it too) or 2 for volatile.
+# ROS 2 quality of service as rosbag2 records it, in numbers because Humble reads no names. {} is 1
+# for transient-local (late subscribers get it too) or 2 for volatile; durations are infinite.
 QOS = """\
 - history: 1
   depth: 10
   reliability: 1
   durability: {}
-  deadline: {{sec: 2147483647, nsec: 4294967295}}
-  lifespan: {{sec: 2147483647, nsec: 4294967295}}
+  deadline: {{sec: 9223372036, nsec: 854775807}}
+  lifespan: {{sec: 9223372036, nsec: 854775807}}
   liveliness: 1
-  liveliness_lease_duration: {{sec: 2147483647, nsec: 4294967295}}
+  liveliness_lease_duration: {{sec: 9223372036, nsec: 854775807}}
   avoid_ros_namespace_conventions: false
 """
-
-
-class DamagedFileError(ValueError):
-    """A file is not MCAP, incomplete, or contradicts itself."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +86,7 @@ class Block:
     times: Times  # (N,) [ns]
     offsets: NDArray[np.uint64]  # (N,) of the messages in the block
     size: int  # [bytes]
-    parts: Iterable[Bytes | bytes]  # the records, in pieces of any length
+    parts: Iterable[Bytes]  # the records, in pieces of any length
 
 
 def message_rows(channel: int, times: Times, size: int) -> Bytes:
@@ -116,13 +104,13 @@ def block_of_rows(channel: int, times: Times, rows: Bytes) -> Block:
     return Block(channel, times, offsets, rows.size, [rows.reshape(-1)])
 
 
-def block_of_message(channel: int, time: int, size: int, parts: Iterable[Bytes | bytes]) -> Block:
+def block_of_message(channel: int, time: int, size: int, parts: Iterable[Bytes]) -> Block:
     """Block of one message of any size, given in pieces; so it need not be in memory as a whole."""
     times = np.array([time], dtype=np.uint64)
     head = message_rows(channel, times, 0)
     head.view(MESSAGE)["length"] += np.uint64(size)
 
-    def pieces() -> Iterator[Bytes | bytes]:
+    def pieces() -> Iterator[Bytes]:
         yield head.reshape(-1)
         yield from parts
 
@@ -204,36 +192,41 @@ class ChunkWriter:
         index_length = self.stream.tell() - index_start
         self.chunks.append(
             ChunkIndex(
-                length, start, "zstd", packed, last, index_length, offsets, first, size
+                chunk_start_offset=start,
+                chunk_length=length,
+                message_start_time=first,
+                message_end_time=last,
+                message_index_offsets=offsets,
+                message_index_length=index_length,
+                compression="zstd",
+                compressed_size=packed,
+                uncompressed_size=size,
             )
         )
 
     def finish(self) -> None:
         """Write the end of the data section, the summary and the footer."""
-        self.stream.flush()
-        end = self.stream.tell()
-        self._put(DataEnd(crc_of(self.stream, end)))
+        self._put(DataEnd(crc_of(self.stream, 0, self.stream.tell())))
         builder, start = RecordBuilder(), self.stream.tell()
         offsets = []
-        for group in self._summary():
-            group_start = builder.count
-            for record in group:
+        for opcode, records in self._summary().items():
+            offset = builder.count
+            for record in records:
                 record.write(builder)
-            offsets.append(
-                SummaryOffset(_opcode(group), start + group_start, builder.count - group_start)
-            )
+            offsets.append(SummaryOffset(opcode, start + offset, builder.count - offset))
         offsets_start = start + builder.count
-        for offset in offsets:
-            offset.write(builder)
+        for summary_offset in offsets:
+            summary_offset.write(builder)
         Footer(start, offsets_start, 0).write(builder)
-        summary = builder.end()[:-4]
+        summary = _content(builder)[:-4]  # the checksum takes the place of the 0
         self.stream.write(summary + struct.pack("<I", zlib.crc32(summary)) + MAGIC)
 
     def _put(self, record: McapRecord) -> tuple[int, int]:
         """Write a record; returns its place and length."""
         builder, offset = RecordBuilder(), self.stream.tell()
         record.write(builder)
-        self.stream.write(data := builder.end())
+        data = _content(builder)
+        self.stream.write(data)
         return offset, len(data)
 
     def _compress(self, blocks: Sequence[Block], size: int) -> int:
@@ -242,8 +235,8 @@ class ChunkWriter:
         packer = zstandard.ZstdCompressor(level=COMPRESSION_LEVEL).compressobj(size=size)
         for block in blocks:
             for part in block.parts:
-                crc = zlib.crc32(part, crc)
-                self.stream.write(packer.compress(part))
+                crc = zlib.crc32(part.data, crc)
+                self.stream.write(packer.compress(part.data))
         self.stream.write(packer.flush())
         return crc
 
@@ -261,8 +254,7 @@ class ChunkWriter:
             base += block.size
         return places
 
-    def _summary(self) -> list[Sequence[McapRecord]]:
-        """Records of the summary, by kind; no kind is empty."""
+    def _summary(self) -> dict[Opcode, Sequence[McapRecord]]:
         statistics = Statistics(
             attachment_count=len(self.attachments),
             channel_count=len(self.channels),
@@ -274,7 +266,25 @@ class ChunkWriter:
             metadata_count=len(self.metadata),
             schema_count=len(self.schemas),
         )
-        schemas = list(self.schemas.values())
-        return [
-            schemas, self.channels, [statistics], self.chunks, self.attachments, self.metadata
-        ]
+        return {
+            Opcode.SCHEMA: list(self.schemas.values()),
+            Opcode.CHANNEL: self.channels,
+            Opcode.STATISTICS: [statistics],
+            Opcode.CHUNK_INDEX: self.chunks,
+            Opcode.ATTACHMENT_INDEX: self.attachments,
+            Opcode.METADATA_INDEX: self.metadata,
+        }
+
+
+def _content(builder: RecordBuilder) -> bytes:
+    content: bytes = builder.end()  # type: ignore[no-untyped-call]
+    return content
+
+
+def crc_of(stream: BinaryIO, start: int, end: int) -> int:
+    """CRC-32 of a stream's bytes from start to end; leaves the stream at the end."""
+    crc = 0
+    stream.seek(start)
+    for at in range(start, end, BLOCK):
+        crc = zlib.crc32(stream.read(min(BLOCK, end - at)), crc)
+    return crc

@@ -1,0 +1,116 @@
+"""How much replays depend on step, solver iterations and servo gains: the tables of docs/simulation.md.
+
+Run as `python benchmarks/simulation_study.py [pybullet|mujoco ...]`; prints Markdown. One figure is
+changed at a time, all others keep their defaults. Columns: tilt after settling, rocking (the largest
+turn of the base while the robot stands still for 3 s), then for each walk its largest tilt, its
+largest slip, its position error and the longest saturation; wall time of the first walk.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from collections.abc import Iterator
+
+import numpy as np
+
+from mgs.gait import load_gait
+from mgs.geometry import rotation_angles
+from mgs.motion import Motion
+from mgs.pipeline import generate
+from mgs.robot import Robot, load_robot
+from mgs.sim import DEFAULTS, EngineName, Replay, Settings, available_engines, replay
+
+WALKS = {
+    "5 cm": ("melson/walk_5cm", ()),
+    "0.8 s": (
+        "melson/walk_5cm",
+        (
+            "walk.n_steps=8",
+            "walk.step_length=0.04",
+            "walk.double_support=0.2",
+            "walk.single_support=0.6",
+        ),
+    ),
+    "0.4 s": (
+        "melson/walk_5cm",
+        (
+            "walk.n_steps=8",
+            "walk.step_length=0.04",
+            "walk.double_support=0.1",
+            "walk.single_support=0.3",
+        ),
+    ),
+}
+VARIATIONS: dict[EngineName, dict[str, tuple[float, ...]]] = {
+    "pybullet": {
+        "dt": (0.005, 0.002, 0.0005, 0.00025),
+        "iterations": (10, 25, 100, 200, 400),
+        "position_gain": (0.02, 0.05, 0.1, 0.4, 1.0),
+        "velocity_gain": (0.1, 0.3, 0.6),
+    },
+    "mujoco": {
+        "dt": (0.002, 0.001, 0.00025, 0.000125),
+        "iterations": (5, 10, 20, 100),
+        "position_gain": (10.0, 30.0, 300.0, 1000.0),
+        "velocity_gain": (0.0, 0.005, 0.01, 0.05, 0.1),
+    },
+}
+
+
+def cases(engine: EngineName, robot: Robot) -> Iterator[tuple[str, Robot, Settings]]:
+    """The default and every departure from it, with a label."""
+    default = DEFAULTS[engine]
+    yield "default", robot, default
+    for key, values in VARIATIONS[engine].items():
+        for value in values:
+            yield f"{key} = {value:g}", robot, dataclasses.replace(default, **{key: value})
+    if engine == "mujoco":
+        bare = dataclasses.replace(robot, armature=np.zeros(robot.n))
+        for dt in (0.001, default.dt, 0.00025):
+            label = f"armature = 0, dt = {dt:g}"
+            yield label, bare, dataclasses.replace(default, dt=dt)
+
+
+def standing(motion: Motion, seconds: float = 3.0) -> Motion:
+    """The first sample of a motion, held."""
+    samples = np.zeros(round(seconds / motion.dt) + 1, dtype=int)
+    names = ("q", "v", "support", "soles")
+    return dataclasses.replace(motion, **{name: getattr(motion, name)[samples] for name in names})
+
+
+def row(label: str, robot: Robot, settings: Settings, engine: EngineName, walks: list[Motion]) -> str:
+    """One line of the table."""
+    motions = [dataclasses.replace(walk, robot=robot) for walk in (standing(walks[0]), *walks)]
+    still, *replays = (replay(motion, engine, settings) for motion in motions)
+    turn = rotation_angles(still.trace.q[:1, 3:7], still.trace.q[:, 3:7]).max()
+    cells = [label, f"{still.settled_tilt_deg:.3f}", f"{np.degrees(turn):.3f}"]
+    cells += [walk_cell(walk) for walk in replays]
+    return f"| {' | '.join([*cells, f'{replays[0].wall_seconds:.1f}'])} |"
+
+
+def walk_cell(walk: Replay) -> str:
+    """Verdict and figures of one walk."""
+    if walk.fell:
+        return f"fell at {walk.fall_time:.1f} s"
+    figures = (walk.max_tilt_deg, 1e3 * walk.sole_slip_max, 1e3 * walk.position_error)
+    return " / ".join([f"{figure:.2f}" for figure in figures] + [f"{1e3 * walk.torque_saturation:.0f}"])
+
+
+def main() -> None:
+    """Print one table per engine."""
+    robot = load_robot("melson")
+    walks = [generate(robot, load_gait(*arguments)).motion for arguments in WALKS.values()]
+    for engine in available_engines():
+        if sys.argv[1:] and engine not in sys.argv[1:]:
+            continue
+        default = DEFAULTS[engine]
+        heads = [f"{name}: tilt / slip / error / sat. [deg / mm / mm / ms]" for name in WALKS]
+        columns = [f"{engine}: {default}", "settled [deg]", "rocking [deg]", *heads, "wall [s]"]
+        print(f"\n| {' | '.join(columns)} |\n|{' --- |' * len(columns)}")  # noqa: T201
+        for label, variant, settings in cases(engine, robot):
+            print(row(label, variant, settings, engine, walks), flush=True)  # noqa: T201
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,56 @@
+"""mgs experiment."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mgs.cli.common import ProgressBar, json_option, print_json, with_progress
+
+if TYPE_CHECKING:
+    from mgs.experiments import Claim
+
+
+@click.command()
+@click.argument("name", type=click.Choice(["melson", "preview"]))
+@click.option(
+    "-o", "--output", type=click.Path(file_okay=False, path_type=Path),
+    help="Folder for the figures; default outputs/experiments/NAME.",
+)  # fmt: skip
+@click.option("--no-figures", is_flag=True, help="Print the claims only.")
+@json_option
+@click.pass_context
+def experiment(
+    ctx: click.Context, name: str, output: Path | None, no_figures: bool, as_json: bool
+) -> None:
+    r"""Rerun an experiment and print claim, figure found, holds or not.
+
+    melson: scenarios S1 to S3 and the drift study of the Melson paper. preview: closed-loop
+    analysis of the ZMP preview control. Figures of an earlier run are replaced. Exit code 1 when
+    a claim does not hold.
+
+    \b
+    Example:
+      mgs experiment melson -o figures
+    """
+    from mgs.experiments import EXPERIMENTS
+
+    folder = None if no_figures else output or Path("outputs/experiments") / name
+
+    def work(bar: ProgressBar) -> list[Claim]:
+        return EXPERIMENTS[name](folder, bar)
+
+    claims = with_progress(name, work)
+    if as_json:
+        print_json({"experiment": name, "claims": [claim.to_dict() for claim in claims]})
+    else:
+        for claim in claims:
+            holds = {True: "holds", False: "FAILS"}.get(claim.holds, "n/a  ")  # type: ignore[call-overload]
+            click.echo(f"{holds} {claim.id:14s} {claim.claim}: {claim.figure}")
+            if claim.note:
+                click.echo(f"      {claim.note}")
+        if folder is not None:
+            click.echo(f"figures in {folder}")
+    ctx.exit(1 if any(claim.holds is False for claim in claims) else 0)

@@ -1,0 +1,132 @@
+"""mgs generate."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mgs.cli.common import ProgressBar, force_option, json_option, print_json, with_progress
+
+if TYPE_CHECKING:
+    from mgs.motion import Motion
+
+
+@click.command()
+@click.argument("gait", metavar="GAIT.yaml")
+@click.option(
+    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
+    help="Motion file to write; default outputs/ROBOT/GAIT.mcap.",
+)  # fmt: skip
+@click.option("--robot", "robot_name", metavar="NAME_OR_DIR", help="Robot instead of the file's.")
+@click.option("--ik", metavar="NAME", help="IK solver instead of the file's.")
+@click.option(
+    "--set", "assignments", metavar="KEY=VALUE", multiple=True,
+    help="Change a value of the gait file, e.g. walk.n_steps=30; may be repeated.",
+)  # fmt: skip
+@force_option
+@json_option
+def generate(
+    gait: str,
+    output: Path | None,
+    robot_name: str | None,
+    ik: str | None,
+    assignments: tuple[str, ...],
+    force: bool,
+    as_json: bool,
+) -> None:
+    r"""Make a motion file from a gait file.
+
+    GAIT.yaml is a path or the name of a shipped gait.
+
+    \b
+    Examples:
+      mgs generate melson/walk_5cm
+      mgs generate my_walk.yaml -o walk.mcap --set walk.n_steps=30 --set ik.gamma_joint=0
+    """
+    from mgs.errors import ConfigError, OutputExistsError
+    from mgs.gait import load_gait
+
+    started = time.perf_counter()
+    overrides = [f"robot={robot_name}"] if robot_name else []
+    overrides += [f"ik.solver={ik}"] if ik else []
+    parameters = load_gait(gait, (*assignments, *overrides))
+    if parameters.robot is None:
+        raise ConfigError(gait, "robot: missing; name one in the file or with --robot")
+    name = Path(gait).stem
+    path = output or Path("outputs") / Path(parameters.robot).name / f"{name}.mcap"
+    if path.exists() and not force:
+        raise OutputExistsError(path)
+
+    from mgs.motion_file import write_motion
+    from mgs.pipeline import generate as run
+    from mgs.robot import load_robot
+
+    robot = load_robot(parameters.robot)
+
+    def work(bar: ProgressBar) -> tuple[Motion, dict[str, float]]:
+        stages = run(robot, parameters, name, progress=bar)
+        return stages.motion, stages.seconds
+
+    motion, seconds = with_progress("inverse kinematics", work)
+    begun = time.perf_counter()
+    with_progress("writing", lambda bar: write_motion(motion, path, force=force, progress=bar))
+    seconds["write"] = time.perf_counter() - begun
+    seconds["total"] = time.perf_counter() - started
+    summary = _summary(path, motion, seconds)
+    if as_json:
+        print_json(summary)
+    else:
+        _print_summary(summary, motion)
+
+
+def _summary(path: Path, motion: Motion, seconds: dict[str, float]) -> dict[str, object]:
+    from mgs.checks import tracking_errors
+
+    return {
+        "file": str(path),
+        "robot": motion.robot.spec.name,
+        "gait": motion.gait_name,
+        "solver": motion.gait.ik.solver,
+        "samples": motion.n_samples,
+        "dt": motion.dt,
+        "duration": motion.duration,
+        "tracking": tracking_errors(motion),
+        "seconds": seconds,
+    }
+
+
+def _print_summary(summary: dict[str, object], motion: Motion) -> None:
+    from mgs.checks import joint_position, zmp_margins
+
+    tracking, seconds = tracking_of(summary), seconds_of(summary)
+    limit = joint_position(motion)
+    margin = zmp_margins(motion, motion.zmp).min()
+    stages = ", ".join(f"{stage} {1e3 * t:.0f}" for stage, t in seconds.items())
+    click.echo(
+        f"{summary['file']}\n"
+        f"  robot     {summary['robot']}, gait {summary['gait']}, solver {summary['solver']}\n"
+        f"  motion    {motion.duration:.2f} s, {motion.n_samples} samples of {motion.dt:g} s\n"
+        f"  tracking  soles {1e3 * tracking['sole_position']:.4f} mm and "
+        f"{tracking['sole_rotation']:.1e} rad, hands {1e3 * tracking['hand_position']:.4f} mm, "
+        f"CoM {1e3 * tracking['com']:.4f} mm (worst sample)\n"
+        f"  margins   {limit.where} {limit.value:.3f} rad to its limit, "
+        f"multibody ZMP {1e3 * margin:.1f} mm inside the support polygon\n"
+        f"  time      {stages} ms"
+    )
+
+
+def tracking_of(summary: dict[str, object]) -> dict[str, float]:
+    """Tracking errors of a summary."""
+    tracking = summary["tracking"]
+    assert isinstance(tracking, dict)
+    return tracking
+
+
+def seconds_of(summary: dict[str, object]) -> dict[str, float]:
+    """Stage times of a summary."""
+    seconds = summary["seconds"]
+    assert isinstance(seconds, dict)
+    return seconds

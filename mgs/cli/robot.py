@@ -1,0 +1,96 @@
+"""mgs robot list, show and check."""
+
+from __future__ import annotations
+
+import click
+
+from mgs.cli.common import json_option, print_json
+
+
+@click.group()
+def robot() -> None:
+    """Look at robots: what is known and whether it is sound."""
+
+
+@robot.command("list")
+@json_option
+def list_command(as_json: bool) -> None:
+    """List the shipped robots."""
+    from mgs.robot import list_robots
+
+    if as_json:
+        print_json({"robots": list_robots()})
+    else:
+        for name in list_robots():
+            click.echo(name)
+
+
+@robot.command()
+@click.argument("name", metavar="NAME_OR_DIR")
+@json_option
+def show(name: str, as_json: bool) -> None:
+    r"""Show mass, soles, joints, limits and servos of a robot.
+
+    \b
+    Example:
+      mgs robot show melson
+    """
+    from mgs.contact import Side
+    from mgs.robot import load_robot
+
+    model = load_robot(name)
+    joints = [
+        {
+            "joint": joint,
+            "servo": model.spec.joints[joint],
+            "lower": float(model.lower[i]),
+            "upper": float(model.upper[i]),
+            "posture": float(model.posture[i]),
+            "speed_limit": float(model.speed_limit[i]),
+            "stall_torque": float(model.torque_limit[i]),
+        }
+        for i, joint in enumerate(model.joint_names)
+    ]
+    soles = {s.label: [model.sole_spec(s).length, model.sole_spec(s).width] for s in Side}
+    if as_json:
+        print_json({"robot": model.spec.name, "mass": model.mass, "soles": soles, "joints": joints})
+        return
+    click.echo(f"{model.spec.name}: {model.n} joints, {model.mass:.3f} kg, soles {soles} m")
+    click.echo(
+        f"{'joint':24s} {'servo':8s} {'range [deg]':>16s} {'posture':>8s} {'rad/s':>6s} {'N m':>5s}"
+    )
+    for row, joint in zip(joints, model.joint_names, strict=True):
+        degrees = [
+            57.29577951308232 * float(str(row[key])) for key in ("lower", "upper", "posture")
+        ]
+        click.echo(
+            f"{joint:24s} {row['servo']!s:8s} {degrees[0]:7.1f} ..{degrees[1]:6.1f} "
+            f"{degrees[2]:8.1f} {row['speed_limit']:6.2f} {row['stall_torque']:5.2f}"
+        )
+
+
+@robot.command()
+@click.argument("name", metavar="NAME_OR_DIR")
+@json_option
+@click.pass_context
+def check(ctx: click.Context, name: str, as_json: bool) -> None:
+    r"""Prove a robot folder sound; exit code 1 when anything is not.
+
+    \b
+    Example:
+      mgs robot check robots/mine
+    """
+    from dataclasses import asdict
+
+    from mgs.robot import load_robot
+    from mgs.robot_checks import check_robot
+
+    findings = check_robot(load_robot(name))
+    if as_json:
+        print_json({"robot": name, "findings": [asdict(finding) for finding in findings]})
+    else:
+        for finding in findings:
+            click.echo(f"{'ok  ' if finding.ok else 'FAIL'} {finding.name:12s} {finding.figure}")
+            if not finding.ok:
+                click.echo(f"     remedy: {finding.remedy}")
+    ctx.exit(0 if all(finding.ok for finding in findings) else 1)

@@ -1,0 +1,26 @@
+"""mgs schema."""
+
+from __future__ import annotations
+
+import click
+
+from mgs.cli.common import print_json
+
+
+@click.command()
+@click.argument("kind", type=click.Choice(["gait", "robot"]))
+def schema(kind: str) -> None:
+    r"""Print the JSON schema of a kind of file, for editors that complete and check.
+
+    \b
+    Example:
+      mgs schema gait > gait.schema.json
+    """
+    if kind == "gait":
+        from mgs.gait import Gait
+
+        print_json(Gait.model_json_schema())
+    else:
+        from mgs.robot import RobotSpec
+
+        print_json(RobotSpec.model_json_schema())

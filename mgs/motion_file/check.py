@@ -1,0 +1,26 @@
+"""What every motion in a file fulfils, checked before writing and after reading."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mgs.contact import Support
+from mgs.motion import Motion
+from mgs.motion_file.topics import field_shapes
+
+
+def find_problem(motion: Motion) -> str | None:
+    """What is wrong with the arrays of a motion; None if nothing."""
+    n_samples = len(motion.q)
+    if n_samples == 0:
+        return "it has no samples"
+    for name, shape in field_shapes(motion.robot.n).items():
+        array = getattr(motion, name)
+        if array.shape != (n_samples, *shape) or array.dtype != np.float64:
+            return f"{name} is {array.dtype}{array.shape}, not float64{(n_samples, *shape)}"
+        if not np.isfinite(array).all():
+            k = int(np.argwhere(~np.isfinite(array))[0, 0])
+            return f"{name} is not finite at t = {k * motion.dt:.3f} s"
+    if motion.support.shape != (n_samples,) or not np.isin(motion.support, list(Support)).all():
+        return "support is not one of double, left and right at every sample"
+    return None

@@ -1,0 +1,154 @@
+"""Which topic holds which part of a motion.
+
+Topics with one message per sample are `SampleTopic`s: each says which slot of its message is which
+part of which array of `Motion`, and serves writing and reading alike. /support has messages of
+three lengths and is handled by itself. Topics with a single message are made in `once`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mgs.contact import Side, Support
+from mgs.motion_file.cdr import Layout, Slot, message_layout
+from mgs.motion_file.transforms import LinkTree
+from mgs.robot import Robot
+
+Array = NDArray[np.float64]
+
+WORLD = "world"  # name of the world frame in tf
+START_NS = 10**9  # stamp of the first sample; tf2 takes 0 for "latest"
+STAMP = Slot("stamp", 2, "<i4")  # seconds and nanoseconds
+SUPPORT_TOPIC = "/support"
+TF_TOPIC = "/tf"
+
+
+@dataclass(frozen=True)
+class SampleTopic:
+    """A topic with one message of fixed length per sample."""
+
+    name: str
+    kind: str
+    layout: Layout
+    parts: Mapping[str, tuple[str, Any]]  # slot -> array of Motion, and what part of a sample
+
+    def columns(self, arrays: Mapping[str, Any], samples: slice) -> dict[str, NDArray[Any]]:
+        """Parts of the arrays of a motion, by slot; views, so that they can be read and written."""
+        return {slot: arrays[name][samples][part] for slot, (name, part) in self.parts.items()}
+
+
+def field_shapes(n: int) -> dict[str, tuple[int, ...]]:
+    """Shape of one sample of each float array of a Motion with n joints."""
+    return {
+        "q": (7 + n,),
+        "v": (6 + n,),
+        "torque": (n,),
+        "com": (3,),
+        "com_ref": (3,),
+        "zmp": (2,),
+        "zmp_ref": (2,),
+        "soles": (2, 7),
+        "soles_ref": (2, 7),
+        "hands": (2, 7),
+        "hands_ref": (2, 3),
+    }
+
+
+def stamps_ns(n_samples: int, dt: float) -> NDArray[np.uint64]:
+    """Log times (N,) of the samples [ns]."""
+    times: NDArray[np.uint64] = np.rint(np.arange(n_samples) * dt * 1e9).astype(np.uint64)
+    return times + np.uint64(START_NS)
+
+
+def split_stamps(times_ns: NDArray[np.uint64]) -> NDArray[np.int32]:
+    """Seconds and nanoseconds (N, 2) of times (N,) [ns]."""
+    return np.stack(np.divmod(times_ns, np.uint64(10**9)), axis=1).astype(np.int32)
+
+
+def sample_topics(robot: Robot, tree: LinkTree) -> list[SampleTopic]:
+    """All topics with one message of fixed length per sample."""
+    topics = [_joint_states(robot), _base_twist(tree), _tf(tree)]
+    for name in ("com", "zmp"):
+        topics += [_point(f"/{name}", name), _point(f"/{name}_reference", f"{name}_ref")]
+    for side in Side:
+        topics += [
+            _pose(f"/sole/{side.label}", "soles", side),
+            _pose(f"/sole/{side.label}_reference", "soles_ref", side),
+            _pose(f"/hand/{side.label}", "hands", side),
+            _hand_reference(f"/hand/{side.label}_reference", side),
+        ]
+    return topics
+
+
+def support_layouts() -> dict[Support, Layout]:
+    """The three messages of /support."""
+    return {s: message_layout("std_msgs/String", {"data": s.label}) for s in Support}
+
+
+def _header(frame: str) -> dict[str, Any]:
+    return {"stamp": STAMP, "frame_id": frame}
+
+
+def _joint_states(robot: Robot) -> SampleTopic:
+    kind, n = "sensor_msgs/JointState", robot.n
+    value = {
+        "header": _header(""),
+        "name": robot.joint_names,
+        "position": Slot("position", n),
+        "velocity": Slot("velocity", n),
+        "effort": Slot("effort", n),
+    }
+    parts = {
+        "position": ("q", np.s_[:, 7:]),
+        "velocity": ("v", np.s_[:, 6:]),
+        "effort": ("torque", np.s_[:]),
+    }
+    return SampleTopic("/joint_states", kind, message_layout(kind, value), parts)
+
+
+def _base_twist(tree: LinkTree) -> SampleTopic:
+    """Velocity of the root link in its own frame; no standard topic has it."""
+    kind = "geometry_msgs/TwistStamped"
+    layout = message_layout(kind, {"header": _header(tree.root), "twist": Slot("twist", 6)})
+    return SampleTopic("/base_twist", kind, layout, {"twist": ("v", np.s_[:, :6])})
+
+
+def _tf(tree: LinkTree) -> SampleTopic:
+    """The base pose is part of the motion; slots `link 0` ... are derived from q when writing."""
+    kind = "tf2_msgs/TFMessage"
+    links = [(WORLD, tree.root, "base")]
+    links += [(parent, child, f"link {i}") for i, (parent, child) in enumerate(tree.moving)]
+    transforms = [
+        {"header": _header(parent), "child_frame_id": child, "transform": Slot(slot, 7)}
+        for parent, child, slot in links
+    ]
+    layout = message_layout(kind, {"transforms": transforms})
+    return SampleTopic(TF_TOPIC, kind, layout, {"base": ("q", np.s_[:, :7])})
+
+
+def _point(topic: str, name: str) -> SampleTopic:
+    """A point; a ZMP has two coordinates and lies on the ground."""
+    kind, n_axes = "geometry_msgs/PointStamped", field_shapes(0)[name][0]
+    slots = {axis: Slot(axis, 1) for axis in "xyz"[:n_axes]}
+    layout = message_layout(kind, {"header": _header(WORLD), "point": slots})
+    parts = {axis: (name, np.s_[:, i : i + 1]) for i, axis in enumerate(slots)}
+    return SampleTopic(topic, kind, layout, parts)
+
+
+def _pose(topic: str, name: str, side: Side) -> SampleTopic:
+    kind = "geometry_msgs/PoseStamped"
+    layout = message_layout(kind, {"header": _header(WORLD), "pose": Slot("pose", 7)})
+    return SampleTopic(topic, kind, layout, {"pose": (name, np.s_[:, side])})
+
+
+def _hand_reference(topic: str, side: Side) -> SampleTopic:
+    """Hands have no orientation task: their reference stands upright, quaternion identity."""
+    kind = "geometry_msgs/PoseStamped"
+    pose = {"position": Slot("position", 3), "orientation": {"w": 1.0}}
+    layout = message_layout(kind, {"header": _header(WORLD), "pose": pose})
+    return SampleTopic(topic, kind, layout, {"position": ("hands_ref", np.s_[:, side])})

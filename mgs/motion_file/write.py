@@ -1,0 +1,191 @@
+"""From a motion to its file."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import secrets
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+import mgs
+from mgs.contact import Support
+from mgs.errors import MgsError, MotionFileError, OutputExistsError
+from mgs.motion import Motion
+from mgs.motion_file.check import find_problem
+from mgs.motion_file.mcap_writer import (
+    HEAD,
+    MESSAGE,
+    Block,
+    ChunkWriter,
+    block_of_message,
+    block_of_rows,
+    message_rows,
+)
+from mgs.motion_file.once import ONCE_TOPICS, small_messages, trajectory_message
+from mgs.motion_file.topics import (
+    START_NS,
+    SUPPORT_TOPIC,
+    TF_TOPIC,
+    SampleTopic,
+    sample_topics,
+    split_stamps,
+    stamps_ns,
+    support_layouts,
+)
+from mgs.motion_file.transforms import LinkTree, link_tree
+
+FORMAT_VERSION = 1
+SAMPLES_PER_CHUNK = 500  # about 2 MB; players read a chunk at a time
+
+Progress = Callable[[int, int], None]
+
+
+def write_motion(
+    motion: Motion, path: Path, *, force: bool = False, progress: Progress | None = None
+) -> None:
+    """Write a motion file, or nothing at all.
+
+    Args:
+        motion: what to write.
+        path: the file; its folder is made if missing.
+        force: replace an existing file.
+        progress: called with the number of samples written and of all samples.
+
+    Raises:
+        OutputExistsError: there is a file and `force` is not set.
+        MotionFileError: an array has a wrong shape or holds a NaN.
+        MgsError: the file cannot be written.
+    """
+    path = Path(path)
+    if problem := find_problem(motion):
+        raise MotionFileError(path, f"not written: {problem}")
+    if path.is_dir() or (path.exists() and not force):
+        raise OutputExistsError(path)
+    try:
+        with _replacing(path) as stream:
+            _write(motion, stream, progress or (lambda done, total: None))
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise MgsError(f"{path}: cannot be written: {reason}") from error
+
+
+@contextlib.contextmanager
+def _replacing(path: Path) -> Iterator[BinaryIO]:
+    """Stream into a file beside `path` that takes its place when all went well, else vanishes."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f".mgs-{secrets.token_hex(8)}.part")
+    try:
+        with part.open("x+b") as stream:
+            yield stream
+        part.replace(path)
+    except BaseException:  # KeyboardInterrupt too
+        part.unlink(missing_ok=True)
+        raise
+
+
+def _write(motion: Motion, stream: BinaryIO, progress: Progress) -> None:
+    tree = link_tree(motion.robot)
+    topics = sample_topics(motion.robot, tree)
+    writer = ChunkWriter(stream, f"mgs {mgs.__version__}")
+    once = {name: writer.add_channel(name, kind, once=True) for name, kind in ONCE_TOPICS.items()}
+    channels = {t.name: writer.add_channel(t.name, t.kind, once=False) for t in topics}
+    channels[SUPPORT_TOPIC] = writer.add_channel(SUPPORT_TOPIC, "std_msgs/String", once=False)
+    writer.add_metadata("mgs", metadata(motion))
+    for name, media_type, text in _attachments(motion):
+        writer.add_attachment(name, media_type, text.encode(), START_NS)
+    _write_once(motion, tree, writer, once)
+    times = stamps_ns(motion.n_samples, motion.dt)
+    for start in range(0, motion.n_samples, SAMPLES_PER_CHUNK):
+        samples = slice(start, min(start + SAMPLES_PER_CHUNK, motion.n_samples))
+        writer.add_chunk(_sample_blocks(motion, tree, topics, channels, times, samples))
+        progress(samples.stop, motion.n_samples)
+    writer.finish()
+
+
+def metadata(motion: Motion) -> dict[str, str]:
+    """The metadata record `mgs`; every number as JSON, so that it reads back exactly."""
+    footsteps = [{"side": s.side.label, "x": s.x, "y": s.y, "yaw": s.yaw} for s in motion.footsteps]
+    return {
+        "mgs_version": mgs.__version__,
+        "schema_version": str(FORMAT_VERSION),
+        "gait": motion.gait_name,
+        "robot": motion.robot.spec.name,
+        "solver": json.dumps(motion.solver, allow_nan=False),
+        "dt": json.dumps(motion.dt),
+        "samples": json.dumps(motion.n_samples),
+        "duration": json.dumps(motion.duration),
+        "mass": json.dumps(motion.robot.mass),
+        "seed": "none",  # the four stages draw no random numbers
+        "footsteps": json.dumps(footsteps, allow_nan=False),
+    }
+
+
+def _attachments(motion: Motion) -> list[tuple[str, str, str]]:
+    return [
+        ("gait.yaml", "application/yaml", motion.gait.to_yaml()),
+        ("robot.yaml", "application/yaml", motion.robot.yaml),
+        ("robot.urdf", "application/xml", motion.robot.urdf),
+    ]
+
+
+def _write_once(
+    motion: Motion, tree: LinkTree, writer: ChunkWriter, channels: dict[str, int]
+) -> None:
+    """The trajectory, 53 MB for 160 000 samples, has a chunk of its own.
+
+    So whoever asks for the robot description need not unpack it, and no chunk of moderate size has
+    to hold a message larger than itself, on which some readers stumble.
+    """
+    blocks = [
+        block_of_message(channels[topic], START_NS, layout.size, [layout.template])
+        for topic, layout in small_messages(motion, tree).items()
+    ]
+    writer.add_chunk(blocks)
+    message = trajectory_message(motion)
+    channel = channels["/joint_trajectory"]
+    writer.add_chunk([block_of_message(channel, START_NS, message.size, message.parts())])
+
+
+def _sample_blocks(
+    motion: Motion,
+    tree: LinkTree,
+    topics: list[SampleTopic],
+    channels: dict[str, int],
+    times: NDArray[np.uint64],
+    samples: slice,
+) -> list[Block]:
+    """All messages of a span of samples, topic by topic."""
+    times = times[samples]
+    stamps = split_stamps(times)
+    blocks = []
+    for topic in topics:
+        columns = topic.columns(vars(motion), samples)
+        columns["stamp"] = stamps
+        if topic.name == TF_TOPIC:
+            links = tree.poses(motion.q[samples])
+            columns |= {f"link {i}": links[:, i] for i in range(links.shape[1])}
+        channel = channels[topic.name]
+        rows = message_rows(channel, times, topic.layout.size)
+        topic.layout.fill(rows[:, HEAD:], columns)
+        blocks.append(block_of_rows(channel, times, rows))
+    blocks.append(_support_block(channels[SUPPORT_TOPIC], times, motion.support[samples]))
+    return blocks
+
+
+def _support_block(channel: int, times: NDArray[np.uint64], support: NDArray[np.int8]) -> Block:
+    """Messages of different lengths: rows for the longest, of which the rest is cut off."""
+    layouts = support_layouts()
+    rows = message_rows(channel, times, max(layout.size for layout in layouts.values()))
+    sizes = np.array([layouts[s].size for s in Support])[support]  # (N,)
+    rows[:, :HEAD].view(MESSAGE)["length"][:, 0] = HEAD - 9 + sizes
+    for s, layout in layouts.items():
+        rows[support == s, HEAD : HEAD + layout.size] = layout.template
+    lengths = HEAD + sizes
+    kept = np.arange(rows.shape[1]) < lengths[:, None]
+    offsets = (np.cumsum(lengths) - lengths).astype(np.uint64)
+    return Block(channel, times, offsets, int(lengths.sum()), [rows[kept]])

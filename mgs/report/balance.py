@@ -1,0 +1,70 @@
+"""ZMP and CoM over time, against the support polygon of each instant."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from mgs.checks import support_polygon
+from mgs.motion import Motion
+from mgs.report.canvas import BLACK, GREEN, PURPLE
+from mgs.report.panels import Band, Line, Panel, draw_panels, shade_single_support
+
+Array = NDArray[np.float64]
+MM = 1e3  # of a metre
+
+
+def plot_balance(motion: Motion) -> Figure:
+    """Two panels over time, x and y."""
+    bounds = support_bounds(motion)
+    return draw_panels([_panel(motion, bounds, axis) for axis in (0, 1)], height=2.7)
+
+
+def _panel(motion: Motion, bounds: Array, axis: int) -> Panel:
+    t = motion.times
+    return Panel(
+        lines=(
+            Line(t, MM * motion.com[:, axis], "CoM", PURPLE, width=2.0),
+            Line(t, MM * motion.zmp[:, axis], "ZMP, whole body", GREEN, width=1.6),
+            Line(t, MM * motion.zmp_ref[:, axis], "ZMP, reference", BLACK, "--", width=1.0),
+        ),
+        ylabel=f"{'xy'[axis]} [mm]",
+        title=("forward", "to the left")[axis],
+        band=Band(t, *(MM * bounds[:, axis].T), "support polygon"),
+        shades=shade_single_support(t, motion.support),
+    )
+
+
+def support_bounds(motion: Motion) -> Array:
+    """Where (N, 2, 2) the support polygon ends, seen from the ZMP along x and along y [m].
+
+    Axes: sample, axis, (low, high). A ZMP is inside the polygon where it is between both bounds of
+    either axis, which the polygon's overall extent would not tell.
+    """
+    bounds = np.empty((motion.n_samples, 2, 2))
+    edges = [0, *(np.flatnonzero(np.diff(motion.support)) + 1), motion.n_samples]
+    for start, end in zip(edges[:-1], edges[1:], strict=True):
+        polygon = support_polygon(motion, start)
+        for axis in (0, 1):
+            level = motion.zmp[start:end, 1 - axis]
+            bounds[start:end, axis] = section(polygon, level, axis)
+    return bounds
+
+
+def section(polygon: Array, level: Array, axis: int) -> Array:
+    """Ends (n, 2) of the cuts of a convex polygon (m, 2) by lines parallel to an axis.
+
+    `level` (n,) holds the other coordinate of each line; beyond the polygon its nearest point counts.
+    """
+    a, b = polygon, np.roll(polygon, -1, axis=0)
+    other = 1 - axis
+    level = np.clip(level, a[:, other].min(), a[:, other].max())[:, None]
+    rise = b[:, other] - a[:, other]
+    parallel = np.abs(rise) < 1e-12
+    s = (level - a[:, other]) / np.where(parallel, 1.0, rise)
+    on_edge = ~parallel & (s >= -1e-9) & (s <= 1.0 + 1e-9)
+    cut = a[:, axis] + s * (b[:, axis] - a[:, axis])
+    low = np.where(on_edge, cut, np.inf).min(axis=1)
+    high = np.where(on_edge, cut, -np.inf).max(axis=1)
+    return np.stack([low, high], axis=1)

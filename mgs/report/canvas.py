@@ -1,0 +1,121 @@
+"""One look for all figures, and files that are either complete or not there.
+
+matplotlib is used through its objects alone: no pyplot, no global state, no display.
+"""
+
+from __future__ import annotations
+
+import io
+import secrets
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Literal
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from mgs.contact import Side
+from mgs.errors import MgsError, OutputExistsError
+
+Format = Literal["png", "svg"]
+
+# Okabe and Ito, "Color Universal Design", 2008: told apart with any colour vision.
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+BLUE, VERMILION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
+SIDE_COLOURS = {Side.LEFT: BLUE, Side.RIGHT: VERMILION}
+INK, FAINT, GRID = "0.15", "0.55", "0.91"
+
+DPI = 130
+TITLE, LABEL, TICK = 9.5, 9.0, 8.0  # font sizes [pt]
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Empty figure of this size [inch] whose parts make room for each other."""
+    return Figure(figsize=(width, height), dpi=DPI, layout="constrained", facecolor="white")
+
+
+def style_axes(
+    axes: Axes, *, title: str = "", note: str = "", xlabel: str = "", ylabel: str = ""
+) -> None:
+    """Quiet frame and grid; `title` above on the left, `note` above on the right."""
+    axes.set_title(title, loc="left", fontsize=TITLE, color=INK)
+    axes.set_title(note, loc="right", fontsize=TICK, color=FAINT)
+    axes.set_xlabel(xlabel, fontsize=LABEL, color=INK)
+    axes.set_ylabel(ylabel, fontsize=LABEL, color=INK)
+    axes.tick_params(labelsize=TICK, colors=INK, length=3, width=0.6)
+    axes.grid(True, color=GRID, linewidth=0.7)
+    axes.set_axisbelow(True)
+    for name, spine in axes.spines.items():
+        spine.set_visible(name in ("left", "bottom"))
+        spine.set_color(FAINT)
+
+
+def legend_above(figure: Figure, axes: Iterable[Axes], *, columns: int = 6) -> None:
+    """One legend for all axes, above them, each label once."""
+    entries: dict[str, object] = {}
+    for ax in axes:
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    if entries:
+        figure.legend(
+            list(entries.values()),
+            list(entries),
+            loc="outside upper left",
+            ncols=columns,
+            fontsize=LABEL,
+            frameon=False,
+            handlelength=1.8,
+            columnspacing=1.6,
+        )
+
+
+def figure_paths(folder: Path, names: Iterable[str], fmt: Format, *, force: bool) -> list[Path]:
+    """Files of figures in a folder; call it before the work that the figures need.
+
+    Raises:
+        OutputExistsError: one of them exists and `force` is not set.
+    """
+    paths = [Path(folder) / f"{name}.{fmt}" for name in names]
+    for path in paths:
+        if path.is_dir() or (path.exists() and not force):
+            raise OutputExistsError(path)
+    return paths
+
+
+def save_figures(
+    figures: Mapping[str, Figure], folder: Path, fmt: Format = "png", *, force: bool = False
+) -> list[Path]:
+    """Write figures by name into a folder, which is made if missing; the same figure, the same bytes.
+
+    Raises:
+        OutputExistsError: a file is in the way and `force` is not set; then nothing is written.
+        MgsError: a file cannot be written.
+    """
+    paths = figure_paths(folder, figures, fmt, force=force)
+    for path, figure in zip(paths, figures.values(), strict=True):
+        _replace(path, _render(figure, fmt))
+    return paths
+
+
+def _render(figure: Figure, fmt: Format) -> bytes:
+    stream = io.BytesIO()
+    # neither date, version nor random identifiers
+    metadata = {"Software": None} if fmt == "png" else {"Date": None, "Creator": None}
+    with mpl.rc_context({"svg.hashsalt": "mgs"}):
+        figure.savefig(stream, format=fmt, metadata=metadata)
+    return stream.getvalue()
+
+
+def _replace(path: Path, content: bytes) -> None:
+    part = path.with_name(f".mgs-{secrets.token_hex(8)}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            part.write_bytes(content)
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise MgsError(f"{path}: cannot be written: {reason}") from error

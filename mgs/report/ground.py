@@ -1,0 +1,102 @@
+"""The walk from above: footsteps, ZMP and CoM on the ground."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from mgs.contact import Side
+from mgs.geometry import rotate_planar, sole_corners
+from mgs.motion import Motion
+from mgs.report.canvas import (
+    BLACK,
+    GREEN,
+    PURPLE,
+    SIDE_COLOURS,
+    TICK,
+    legend_above,
+    new_figure,
+    style_axes,
+)
+
+Array = NDArray[np.float64]
+MM = 1e3  # of a metre
+MAX_NUMBERS = 60  # more of them could not be read
+NUMBER_INSET = (0.016, 0.009)  # [m] of a number from toe and outer edge of its sole
+AXES_SIZE, MIN_AXES_SIZE = np.array([8.0, 6.0]), np.array([6.0, 1.4])  # [inch]
+
+
+def plot_above(motion: Motion) -> Figure:
+    """Footsteps, ZMP asked and reached, and CoM from above; x to the right, y up."""
+    corners = np.concatenate(list(footstep_corners(motion).values()))
+    spans = np.ptp(corners.reshape(-1, 2), axis=0)
+    scale = float(min(*(AXES_SIZE / spans)))  # [inch/m]
+    width, height = np.maximum(scale * spans, MIN_AXES_SIZE)
+    figure = new_figure(float(width) + 1.0, float(height) + 1.1)
+    axes = figure.subplots()
+    draw_above(axes, motion)
+    legend_above(figure, [axes])
+    return figure
+
+
+def draw_above(axes: Axes, motion: Motion) -> None:
+    """Everything on the ground into given axes [mm]."""
+    style_axes(axes, xlabel="x [mm]", ylabel="y [mm]")
+    axes.set_aspect("equal")
+    _draw_footsteps(axes, motion)
+    com, zmp, zmp_ref = MM * motion.com, MM * motion.zmp, MM * motion.zmp_ref
+    axes.plot(com[:, 0], com[:, 1], color=PURPLE, linewidth=3.4, alpha=0.75, label="CoM")
+    axes.plot(zmp[:, 0], zmp[:, 1], color=GREEN, linewidth=1.6, label="ZMP, whole body")
+    axes.plot(
+        zmp_ref[:, 0],
+        zmp_ref[:, 1],
+        color=BLACK,
+        linewidth=1.0,
+        linestyle=(0, (4, 2)),
+        label="ZMP, reference",
+    )
+
+
+def footstep_corners(motion: Motion) -> dict[Side, Array]:
+    """Corners (m, 4, 2) [m] of the m footsteps of each side."""
+    corners = {}
+    for side in Side:
+        spec = motion.robot.sole_spec(side)
+        poses = np.array([[f.x, f.y, f.yaw] for f in motion.footsteps if f.side is side])
+        corners[side] = sole_corners(poses.reshape(-1, 3), spec.length, spec.width)
+    return corners
+
+
+def _draw_footsteps(axes: Axes, motion: Motion) -> None:
+    for side, corners in footstep_corners(motion).items():
+        colour = SIDE_COLOURS[side]
+        axes.add_collection(
+            PolyCollection(
+                list(MM * corners),
+                facecolor=(colour, 0.09),
+                edgecolor=colour,
+                linewidth=0.9,
+                label=f"{side.label} sole",
+            )
+        )
+    axes.autoscale_view()
+    every = math.ceil(len(motion.footsteps) / MAX_NUMBERS)
+    for number, footstep in list(enumerate(motion.footsteps, start=-1))[::every]:
+        spec = motion.robot.sole_spec(footstep.side)
+        # the outer toe, where neither ZMP nor CoM pass
+        toe = 0.5 * np.array([spec.length, spec.width]) - NUMBER_INSET
+        toe[1] *= footstep.side.sign
+        x, y = MM * (np.array([footstep.x, footstep.y]) + rotate_planar(toe, footstep.yaw))
+        axes.annotate(
+            str(max(number, 0)),  # the two initial ones are 0
+            (x, y),
+            ha="center",
+            va="center",
+            fontsize=TICK,
+            color=SIDE_COLOURS[footstep.side],
+        )

@@ -1,0 +1,45 @@
+"""The plots of one motion, as `mgs plot` writes them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from mgs.motion import Motion
+from mgs.report.balance import plot_balance
+from mgs.report.canvas import Format, figure_paths, save_figures
+from mgs.report.ground import plot_above
+from mgs.report.joints import plot_positions, plot_torques, plot_velocities
+
+MOTION_PLOTS: dict[str, Callable[[Motion], Figure]] = {
+    "above": plot_above,
+    "balance": plot_balance,
+    "joint_positions": plot_positions,
+    "joint_velocities": plot_velocities,
+    "joint_torques": plot_torques,
+}
+
+
+def plot_motion(
+    motion: Motion, folder: Path, fmt: Format = "png", *, force: bool = False
+) -> list[Path]:
+    """Write every plot of a motion into a folder, which is made if missing.
+
+    Args:
+        motion: what to show.
+        folder: where to write; one file for each entry of `MOTION_PLOTS`.
+        fmt: png or svg.
+        force: replace existing files.
+
+    Returns:
+        The files.
+
+    Raises:
+        OutputExistsError: a file is in the way and `force` is not set; then nothing is written.
+        MgsError: a file cannot be written.
+    """
+    figure_paths(folder, MOTION_PLOTS, fmt, force=force)
+    figures = {name: plot(motion) for name, plot in MOTION_PLOTS.items()}
+    return save_figures(figures, folder, fmt, force=force)

@@ -1,0 +1,51 @@
+"""Servo torques of every simulation step, condensed as they come."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+SATURATED = 0.999  # of the stall torque
+
+
+class Effort:
+    """Peak, root mean square and saturation of the torques of n servos.
+
+    Kept per step, not per sample: a servo that chatters between its limits 10 times a sample would
+    otherwise look calm or saturated by chance.
+    """
+
+    def __init__(self, stall: Array, dt: float) -> None:
+        """Begin with stall torques (n,) [N m] and the simulation step [s]."""
+        self.peak = np.zeros_like(stall)  # (n,) largest magnitude [N m]
+        self._stall, self._dt = stall, dt
+        self._n_steps = 0
+        self._squares = np.zeros_like(stall)
+        self._run = np.zeros(len(stall), dtype=np.intp)
+        self._longest = np.zeros(len(stall), dtype=np.intp)
+
+    def add(self, torque: Array) -> None:
+        """Take in the torques (k, n) of the next steps [N m]."""
+        magnitude = np.abs(torque)
+        self._n_steps += len(torque)
+        self._squares += np.square(torque).sum(axis=0)
+        self.peak = np.maximum(self.peak, magnitude.max(axis=0))
+        saturated = magnitude >= SATURATED * self._stall
+        if not saturated.any():
+            self._run[:] = 0
+            return
+        for row in saturated:
+            self._run = np.where(row, self._run + 1, 0)
+            self._longest = np.maximum(self._longest, self._run)
+
+    @property
+    def rms(self) -> Array:
+        """Root mean square over time (n,) [N m]."""
+        return np.sqrt(self._squares / max(self._n_steps, 1))
+
+    @property
+    def saturation(self) -> Array:
+        """Longest time in a row at stall torque (n,) [s]."""
+        return self._longest * self._dt

@@ -1,0 +1,112 @@
+"""What a physics engine must offer for open-loop replay, and how a replay is set up.
+
+Heavy packages are imported by `make_engine` only, so that mgs works with either engine missing.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mgs.errors import SimulationError
+from mgs.robot import Robot
+from mgs.sim.audit import EngineModel, audit
+
+Array = NDArray[np.float64]
+EngineName = Literal["pybullet", "mujoco"]
+ENGINES: tuple[EngineName, ...] = ("pybullet", "mujoco")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """How a replay is simulated. The gains of the ideal servo mean different things per engine.
+
+    PyBullet's motor is a constraint that asks at every step for the joint velocity
+    v + velocity_gain (v_plan - v) + position_gain (q_plan - q) / dt, both gains in 0..1.
+    MuJoCo's is a spring and a damper: torque = stall_torque * position_gain *
+    ((q_plan - q) + velocity_gain (v_plan - v)), in 1/rad and s.
+    """
+
+    dt: float  # longest step [s]; a replay uses the next one that divides the sampling period
+    iterations: int  # of the contact solver: of PyBullet exactly, of MuJoCo at most
+    position_gain: float
+    velocity_gain: float
+    friction: float = 1.0  # effective Coulomb coefficient of the pair sole and ground
+    settle: float = 0.5  # first posture held before the motion [s]
+    tail: float = 1.0  # last posture held after the motion [s]
+
+
+DEFAULTS: dict[EngineName, Settings] = {
+    "pybullet": Settings(dt=0.001, iterations=50, position_gain=0.2, velocity_gain=1.0),
+    "mujoco": Settings(dt=0.0005, iterations=50, position_gain=100.0, velocity_gain=0.02),
+}
+
+
+class Engine(Protocol):
+    """One robot on level ground at z = 0, its joints driven by position servos.
+
+    q is (7 + n,) as in `Robot`: base position, base quaternion xyzw, joint angles.
+    """
+
+    @property
+    def version(self) -> str:
+        """Version of the engine's package."""
+
+    def place(self, q: Array) -> None:
+        """Put the robot at q, at rest."""
+
+    def drive(self, position: Array, velocity: Array) -> Array:
+        """Make k steps with the servos aiming at (k, n) joint states at the end of each step.
+
+        Returns:
+            Joint torques (k, n) of the servos during each step [N m].
+        """
+
+    def read(self) -> Array:
+        """Current q (7 + n,)."""
+
+    def inspect(self) -> EngineModel:
+        """The robot as the engine understands it, at the current q."""
+
+    def close(self) -> None:
+        """Free the engine; idempotent."""
+
+
+def available_engines() -> tuple[EngineName, ...]:
+    """Engines whose package is installed; imports none of them."""
+    return tuple(name for name in ENGINES if importlib.util.find_spec(name) is not None)
+
+
+def make_engine(name: EngineName, robot: Robot, settings: Settings) -> Engine:
+    """Engine with the robot loaded, its model proven equal to Pinocchio's.
+
+    Raises:
+        SimulationError: the engine is unknown or not installed, or the models differ.
+    """
+    engine = _load(name, robot, settings)
+    try:
+        audit(engine, robot, name)
+    except SimulationError:
+        engine.close()
+        raise
+    return engine
+
+
+def _load(name: EngineName, robot: Robot, settings: Settings) -> Engine:
+    if name not in ENGINES:
+        raise SimulationError(f"no physics engine {name!r}; there are: {', '.join(ENGINES)}")
+    if name not in available_engines():
+        raise SimulationError(
+            f"{name} is not installed; installed: {', '.join(available_engines()) or 'none'}"
+        )
+    if name == "pybullet":
+        from mgs.sim.pybullet import PybulletEngine
+
+        return PybulletEngine(robot, settings)
+    from mgs.sim.mujoco import MujocoEngine
+
+    return MujocoEngine(robot, settings)

@@ -1,0 +1,67 @@
+"""Figures of a replay from the poses at its samples; arrays in the world frame, SI units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mgs.contact import Side, Support
+from mgs.geometry import wrap_angle, yaw_from_quat_xyzw
+
+Array = NDArray[np.float64]
+
+TOUCHDOWN = 0.02  # [s] at both ends of a support phase that are left out of its slip
+
+
+@dataclass(frozen=True)
+class Slip:
+    """The largest horizontal displacement of a sole within one of its support phases."""
+
+    distance: float = 0.0  # [m]
+    side: Side | None = None
+    sample: int | None = None
+
+
+def largest_slip(soles: Array, support: NDArray[np.int8], dt: float) -> Slip:
+    """Slip of soles (M, 2, 7) under the planned support (M,).
+
+    A phase is measured from shortly after its planned beginning to shortly before its planned end,
+    because touchdown and take-off come a little early or late in physics.
+    """
+    margin = round(TOUCHDOWN / dt)
+    worst = Slip()
+    for side in Side:
+        carries = np.isin(support, (Support.DOUBLE, Support.single(side)))
+        for start, end in _runs(carries):
+            start, end = start + margin, end - margin
+            if end <= start:
+                continue
+            path = soles[start:end, side, :2] - soles[start, side, :2]
+            lengths = np.linalg.norm(path, axis=1)
+            k = int(lengths.argmax())
+            if lengths[k] > worst.distance:
+                worst = Slip(float(lengths[k]), side, start + k)
+    return worst
+
+
+def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and past-the-last index of every stretch of True in mask (M,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
+    return [(int(start), int(end)) for start, end in edges.reshape(-1, 2)]
+
+
+def travel(soles: Array) -> Array:
+    """Displacement (x, y, yaw) from the first to the last of soles (M, 2, 7).
+
+    Of the midpoint between the soles in x and y, of their mean heading in yaw.
+    """
+    shift = soles[-1, :, :2].mean(axis=0) - soles[0, :, :2].mean(axis=0)
+    headings = yaw_from_quat_xyzw(soles[[0, -1], :, 3:])
+    return np.array([*shift, wrap_angle(headings[1] - headings[0]).mean()])
+
+
+def angle_between(a: Array, b: Array) -> Array:
+    """Angle (...) [rad] between unit vectors (..., 3); exact near zero."""
+    return np.asarray(np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), np.sum(a * b, axis=-1)))

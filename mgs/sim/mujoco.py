@@ -1,0 +1,129 @@
+"""MuJoCo behind the engine interface; the only place with MuJoCo's quaternion order wxyz."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mgs.robot import FLOATING_BASE_NQ, Robot
+from mgs.sim.audit import EngineModel
+from mgs.sim.engine import Settings
+from mgs.sim.model import link_name, simulation_urdf
+
+Array = NDArray[np.float64]
+XYZW_FROM_WXYZ = [1, 2, 3, 0]
+WXYZ_FROM_XYZW = [3, 0, 1, 2]
+IMPRATIO = 10.0  # friction this much stiffer than the normal contact: soles do not creep
+GRAVITY = 9.81  # [m/s^2]
+
+
+class MujocoEngine:
+    """One robot on a plane."""
+
+    def __init__(self, robot: Robot, settings: Settings) -> None:
+        """Compile the model."""
+        import mujoco
+
+        self._mj: Any = mujoco
+        self._robot, self._settings = robot, settings
+        self._model = self._compile()
+        self._data = mujoco.MjData(self._model)
+        self._angles = np.array([self._model.joint(name).qposadr[0] for name in robot.joint_names])
+        self._bodies = [
+            self._model.body(link_name(robot, joint)).id for joint in range(1, robot.model.njoints)
+        ]
+
+    @property
+    def version(self) -> str:
+        """Version of MuJoCo."""
+        return str(self._mj.mj_versionString())
+
+    def place(self, q: Array) -> None:
+        """Put the robot at q, at rest."""
+        mj, data = self._mj, self._data
+        mj.mj_resetData(self._model, data)
+        data.qpos[:3] = q[:3]
+        data.qpos[3:7] = q[3:7][WXYZ_FROM_XYZW]
+        data.qpos[self._angles] = q[FLOATING_BASE_NQ:]
+        mj.mj_forward(self._model, data)
+
+    def drive(self, position: Array, velocity: Array) -> Array:
+        """Make k steps towards (k, n) joint states; returns torques (k, n) [N m]."""
+        step, model, data = self._mj.mj_step, self._model, self._data
+        ctrl, force = data.ctrl, data.actuator_force
+        torques = np.empty_like(position)
+        for target, torque in zip(self._controls(position, velocity), torques, strict=True):
+            ctrl[:] = target
+            step(model, data)
+            torque[:] = force
+        return torques
+
+    def _controls(self, position: Array, velocity: Array) -> Array:
+        # a position servo has no speed target: it enters as a shift of the position target, together
+        # with the way back to the beginning of the step, where MuJoCo evaluates the servo
+        return position + (self._settings.velocity_gain - self._settings.dt) * velocity
+
+    def read(self) -> Array:
+        """Current q (7 + n,)."""
+        qpos = self._data.qpos
+        return np.concatenate([qpos[:3], qpos[3:7][XYZW_FROM_WXYZ], qpos[self._angles]])
+
+    def inspect(self) -> EngineModel:
+        """The robot as MuJoCo understands it."""
+        model, data, mj = self._model, self._data, self._mj
+        mj.mj_forward(model, data)
+        hinges = [model.joint(j) for j in range(model.njnt)]
+        hinges = [hinge for hinge in hinges if hinge.type[0] != mj.mjtJoint.mjJNT_FREE]
+        stall = {model.actuator(i).name: model.actuator_forcerange[i, 1] for i in range(model.nu)}
+        quats = data.xquat[self._bodies][:, XYZW_FROM_WXYZ]
+        return EngineModel(
+            joints={h.name: (*h.range, stall[h.name]) for h in hinges},
+            mass=float(model.body_mass.sum()),
+            com=data.subtree_com[0].copy(),
+            links=np.concatenate([data.xpos[self._bodies], quats], axis=1),
+        )
+
+    def close(self) -> None:
+        """Nothing to free."""
+
+    def _compile(self) -> Any:
+        mj, settings = self._mj, self._settings
+        spec = mj.MjSpec.from_string(simulation_urdf(self._robot))
+        option = spec.option
+        option.timestep = settings.dt
+        option.iterations = settings.iterations
+        option.gravity = [0.0, 0.0, -GRAVITY]
+        option.integrator = mj.mjtIntegrator.mjINT_IMPLICITFAST
+        option.cone = mj.mjtCone.mjCONE_ELLIPTIC
+        option.impratio = IMPRATIO
+        spec.worldbody.first_body().add_freejoint()  # else the base is welded to the world
+        for geom in spec.geoms:  # the robot touches the ground, not itself
+            geom.contype, geom.conaffinity = 1, 0
+            geom.friction = [settings.friction, 0.0, 0.0]
+        spec.worldbody.add_geom(
+            type=mj.mjtGeom.mjGEOM_PLANE,
+            size=[0.0, 0.0, 1.0],
+            contype=0,
+            conaffinity=1,
+            friction=[settings.friction, 0.0, 0.0],  # a pair has the larger one
+        )
+        for i in range(self._robot.n):
+            self._add_servo(spec, i)
+        return spec.compile()
+
+    def _add_servo(self, spec: Any, i: int) -> None:
+        robot, settings = self._robot, self._settings
+        joint = spec.joint(robot.joint_names[i])
+        joint.armature = float(robot.armature[i])
+        stall = float(robot.torque_limit[i])
+        kp = stall * settings.position_gain
+        actuator = spec.add_actuator(
+            name=joint.name,
+            target=joint.name,
+            trntype=self._mj.mjtTrn.mjTRN_JOINT,
+            forcelimited=True,
+            forcerange=[-stall, stall],
+        )
+        actuator.set_to_position(kp=kp, kv=kp * settings.velocity_gain)

@@ -1,0 +1,159 @@
+"""Playing a motion to an engine, open loop.
+
+The robot is put down on its soles in its first posture and settles there; then its servos follow the
+plan, interpolated between samples by cubics that meet positions and velocities; then they hold the
+last posture for a while. Nothing that happens is fed back to the targets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from mgs.contact import Side
+from mgs.errors import SimulationError
+from mgs.geometry import sole_corners
+from mgs.motion import Motion
+from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
+from mgs.sim.effort import Effort
+from mgs.sim.engine import Engine, Settings
+from mgs.sim.measure import angle_between
+
+Array = NDArray[np.float64]
+Progress = Callable[[int, int], None]  # samples done, samples in all
+
+FALL_TILT = float(np.radians(45.0))  # of the torso's vertical against the plan's
+FALL_HEIGHT = 0.6  # of the base above the ground, relative to the plan's
+AFTER_FALL = 1.0  # [s] that a replay goes on after a fall
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """State and torques at the samples of a motion and of its tail, from the settled start on."""
+
+    plan: NDArray[np.intp]  # (M,) sample of the motion; the last one stays during the tail
+    q: Array  # (M, 7 + n) as in `Robot`
+    torque: Array  # (M, n) mean over the sampling period before [N m]
+    effort: Effort
+
+
+def play(
+    motion: Motion, engine: Engine, settings: Settings, progress: Progress | None = None
+) -> Recording:
+    """Settle, play and hold; ends early, some time after a fall. `settings.dt` divides `motion.dt`.
+
+    Raises:
+        SimulationError: the simulation diverged.
+    """
+    robot, n_steps = motion.robot, round(motion.dt / settings.dt)
+    plan = np.arange(motion.n_samples + round(settings.tail / motion.dt))
+    plan = np.minimum(plan, motion.n_samples - 1)
+    torque = _settle(motion, engine, settings, n_steps)
+    effort, targets = Effort(robot.torque_limit, settings.dt), Targets(motion, n_steps)
+    q, torques = [_read(engine, 0.0)], [torque.mean(axis=0)]
+    end = len(plan)
+    for k in range(1, len(plan)):
+        torque = engine.drive(*targets.before(k))
+        effort.add(torque)
+        q.append(_read(engine, k * motion.dt))
+        torques.append(torque.mean(axis=0))
+        if end == len(plan) and is_down(robot, q[k], motion.q[plan[k]]):
+            end = min(end, k + 1 + round(AFTER_FALL / motion.dt))
+        if progress is not None:
+            progress(k, len(plan) - 1)
+        if k + 1 >= end:
+            break
+    return Recording(plan=plan[: len(q)], q=np.array(q), torque=np.array(torques), effort=effort)
+
+
+def _settle(motion: Motion, engine: Engine, settings: Settings, n_steps: int) -> Array:
+    engine.place(on_ground(motion.robot, motion.q[0]))
+    torque = np.zeros((n_steps, motion.robot.n))
+    for _ in range(round(settings.settle / motion.dt)):
+        torque = engine.drive(*_hold(motion.q[0], n_steps))
+    return torque
+
+
+def _read(engine: Engine, t: float) -> Array:
+    q = engine.read()
+    if not np.isfinite(q).all():
+        raise SimulationError(f"the simulation diverged at t = {t:.3f} s; try a smaller step")
+    return q
+
+
+def on_ground(robot: Robot, q: Array) -> Array:
+    """Configuration (7 + n,) like q, its lowest sole corner at z = 0."""
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, q)
+    lowest = np.inf
+    for side, frame in zip(Side, robot.sole_frames, strict=True):
+        spec, pose = robot.sole_spec(side), data.oMf[frame]
+        corners = sole_corners(np.zeros(3), spec.length, spec.width)
+        heights = pose.translation[2] + corners @ pose.rotation[2, :2]
+        lowest = min(lowest, float(heights.min()))
+    out = q.copy()
+    out[2] -= lowest
+    return out
+
+
+def is_down(robot: Robot, q: Array, q_plan: Array) -> bool:
+    """Whether the robot at q (7 + n,) is too far from the plan's posture to be called standing."""
+    _, up = poses_along(robot, np.stack([q, q_plan]))
+    return bool(fallen(up[0], up[1], q[2], q_plan[2]))
+
+
+def fallen(up: Array, up_plan: Array, height: Array, height_plan: Array) -> NDArray[np.bool_]:
+    """Where (...) the torso's vertical (..., 3) or the base's height (...) [m] has left the plan."""
+    return (angle_between(up, up_plan) > FALL_TILT) | (height < FALL_HEIGHT * height_plan)
+
+
+def poses_along(robot: Robot, q: Array) -> tuple[Array, Array]:
+    """Soles (M, 2, 7) and the world's vertical seen from the torso (M, 3) at q (M, 7 + n)."""
+    data = robot.model.createData()
+    soles, up = np.empty((len(q), 2, 7)), np.empty((len(q), 3))
+    for k, row in enumerate(q):
+        pin.framesForwardKinematics(robot.model, data, row)
+        for side, frame in enumerate(robot.sole_frames):
+            soles[k, side] = pin.SE3ToXYZQUAT(data.oMf[frame])
+        up[k] = data.oMf[robot.torso_frame].rotation[2]
+    return soles, up
+
+
+class Targets:
+    """Joint targets at the end of every simulation step: cubic Hermite between samples."""
+
+    def __init__(self, motion: Motion, n_steps: int) -> None:
+        """Prepare to divide every sampling period into n_steps."""
+        s, h = np.arange(1, n_steps + 1) / n_steps, motion.dt
+        position = [
+            1 + s**2 * (2 * s - 3),
+            h * s * (1 - s) ** 2,
+            s**2 * (3 - 2 * s),
+            h * s**2 * (s - 1),
+        ]
+        velocity = [
+            6 * s * (s - 1) / h,
+            1 + s * (3 * s - 4),
+            6 * s * (1 - s) / h,
+            s * (3 * s - 2),
+        ]
+        self._position, self._velocity = np.stack(position, axis=1), np.stack(velocity, axis=1)
+        self._q = motion.q[:, FLOATING_BASE_NQ:]
+        self._v = motion.v[:, FLOATING_BASE_NV:]
+        self._end = _hold(motion.q[-1], n_steps)
+
+    def before(self, k: int) -> tuple[Array, Array]:
+        """Positions and velocities (n_steps, n) on the way from sample k - 1 to sample k."""
+        if k >= len(self._q):
+            return self._end
+        knots = np.stack([self._q[k - 1], self._v[k - 1], self._q[k], self._v[k]])
+        return self._position @ knots, self._velocity @ knots
+
+
+def _hold(q: Array, n_steps: int) -> tuple[Array, Array]:
+    position = np.tile(q[FLOATING_BASE_NQ:], (n_steps, 1))
+    return position, np.zeros_like(position)

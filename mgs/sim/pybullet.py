@@ -1,0 +1,181 @@
+"""PyBullet behind the engine interface.
+
+Every departure from PyBullet's defaults below is there because the default simulates something
+else than the robot given; docs/simulation.md has the figures.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mgs.robot import FLOATING_BASE_NQ, Robot
+from mgs.sim.audit import EngineModel
+from mgs.sim.engine import Settings
+from mgs.sim.model import simulation_urdf
+
+Array = NDArray[np.float64]
+GROUND = (50.0, 50.0, 0.5)  # half extents of the ground [m]
+BASE = -1  # PyBullet's index of the base link
+GRAVITY = 9.81  # [m/s^2]
+
+
+class PybulletEngine:
+    """One robot on a box for ground, in a DIRECT client of its own.
+
+    The ground is a box, because PyBullet finds all four corners of a flat sole on it at once; on its
+    plane shape it collects them over several steps.
+    """
+
+    def __init__(self, robot: Robot, settings: Settings) -> None:
+        """Connect and load."""
+        import pybullet
+
+        self._p: Any = pybullet
+        self._robot, self._settings = robot, settings
+        self._client = pybullet.connect(pybullet.DIRECT)
+        self._configure()
+        self._add_ground()
+        self._body = self._load_robot()
+        self._joints = self._joint_indices()
+        self._quiet_links()
+
+    @property
+    def version(self) -> str:
+        """Version of the PyBullet interface."""
+        return str(self._p.getAPIVersion())
+
+    def place(self, q: Array) -> None:
+        """Put the robot at q, at rest."""
+        p, client = self._p, self._client
+        offset, turn = p.getDynamicsInfo(self._body, BASE, physicsClientId=client)[3:5]
+        # PyBullet's base pose is that of the base's inertial frame
+        position, quat_xyzw = p.multiplyTransforms(q[:3].tolist(), q[3:7].tolist(), offset, turn)
+        p.resetBasePositionAndOrientation(self._body, position, quat_xyzw, physicsClientId=client)
+        p.resetBaseVelocity(self._body, [0.0] * 3, [0.0] * 3, physicsClientId=client)
+        for joint, angle in zip(self._joints, q[FLOATING_BASE_NQ:].tolist(), strict=True):
+            p.resetJointState(self._body, joint, angle, 0.0, physicsClientId=client)
+
+    def drive(self, position: Array, velocity: Array) -> Array:
+        """Make k steps towards (k, n) joint states; returns torques (k, n) [N m]."""
+        p, body, joints, client = self._p, self._body, self._joints, self._client
+        motor = self._motor()
+        torques = []
+        for target, speed in zip(position.tolist(), velocity.tolist(), strict=True):
+            p.setJointMotorControlArray(
+                body, joints, targetPositions=target, targetVelocities=speed, **motor
+            )
+            p.stepSimulation(client)
+            torques.append([state[3] for state in p.getJointStates(body, joints, client)])
+        return np.array(torques)
+
+    def _motor(self) -> dict[str, Any]:
+        n, settings = self._robot.n, self._settings
+        return {
+            "controlMode": self._p.POSITION_CONTROL,
+            "positionGains": [settings.position_gain] * n,
+            "velocityGains": [settings.velocity_gain] * n,
+            "forces": self._robot.torque_limit.tolist(),
+            "physicsClientId": self._client,
+        }
+
+    def read(self) -> Array:
+        """Current q (7 + n,)."""
+        base = self._base_pose()
+        states = self._p.getJointStates(self._body, self._joints, self._client)
+        return np.concatenate([base, [state[0] for state in states]])
+
+    def inspect(self) -> EngineModel:
+        """The robot as PyBullet understands it."""
+        p, body, client = self._p, self._body, self._client
+        every = range(BASE, p.getNumJoints(body, client))
+        mass = sum(p.getDynamicsInfo(body, link, client)[0] for link in every)
+        links = [BASE, *self._joints]
+        masses = np.array([p.getDynamicsInfo(body, link, client)[0] for link in links])
+        states = p.getLinkStates(body, self._joints, 0, 1, physicsClientId=client)
+        base_com = p.getBasePositionAndOrientation(body, client)[0]
+        coms = np.array([base_com, *(state[0] for state in states)])
+        infos = [p.getJointInfo(body, joint, client) for joint in self._joints]
+        return EngineModel(
+            joints={info[1].decode(): (info[8], info[9], info[10]) for info in infos},
+            mass=float(mass),
+            com=masses @ coms / masses.sum(),
+            links=np.array([self._base_pose(), *([*state[4], *state[5]] for state in states)]),
+        )
+
+    def close(self) -> None:
+        """Disconnect."""
+        if self._client >= 0:
+            self._p.disconnect(self._client)
+            self._client = -1
+
+    def _configure(self) -> None:
+        p, client = self._p, self._client
+        p.setGravity(0.0, 0.0, -GRAVITY, physicsClientId=client)
+        p.setPhysicsEngineParameter(
+            fixedTimeStep=self._settings.dt,
+            numSolverIterations=self._settings.iterations,
+            numSubSteps=0,
+            solverResidualThreshold=0.0,  # always all iterations: equal work, equal results
+            enableConeFriction=1,  # a friction pyramid lets soles creep along its edges
+            deterministicOverlappingPairs=1,
+            enableFileCaching=0,  # by path: the next robot's temporary file may bear the same name
+            physicsClientId=client,
+        )
+
+    def _add_ground(self) -> None:
+        p, client = self._p, self._client
+        shape = p.createCollisionShape(p.GEOM_BOX, halfExtents=GROUND, physicsClientId=client)
+        ground = p.createMultiBody(
+            0.0, shape, basePosition=[0.0, 0.0, -GROUND[2]], physicsClientId=client
+        )
+        # the friction of a pair is the product: all of it is in the robot's links
+        p.changeDynamics(ground, BASE, lateralFriction=1.0, restitution=0.0, physicsClientId=client)
+
+    def _load_robot(self) -> int:
+        p = self._p
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "robot.urdf"
+            path.write_text(simulation_urdf(self._robot), encoding="utf-8")
+            # without the flag inertias are made up from the shapes; MERGE_FIXED_LINKS shifts the CoM
+            return int(
+                p.loadURDF(
+                    str(path), flags=p.URDF_USE_INERTIA_FROM_FILE, physicsClientId=self._client
+                )
+            )
+
+    def _joint_indices(self) -> list[int]:
+        p, client = self._p, self._client
+        indices = {
+            p.getJointInfo(self._body, joint, client)[1].decode(): joint
+            for joint in range(p.getNumJoints(self._body, client))
+        }
+        return [indices[name] for name in self._robot.joint_names if name in indices]
+
+    def _quiet_links(self) -> None:
+        p, client = self._p, self._client
+        for link in (BASE, *self._joints):
+            p.changeDynamics(
+                self._body,
+                link,
+                lateralFriction=self._settings.friction,
+                spinningFriction=0.0,
+                rollingFriction=0.0,
+                restitution=0.0,
+                linearDamping=0.0,  # air drag that no robot has; 0.04 by default
+                angularDamping=0.0,
+                jointDamping=0.0,
+                physicsClientId=client,
+            )
+
+    def _base_pose(self) -> Array:
+        p, client = self._p, self._client
+        position, quat_xyzw = p.getBasePositionAndOrientation(self._body, client)
+        offset, turn = p.getDynamicsInfo(self._body, BASE, client)[3:5]
+        inverse = p.invertTransform(offset, turn)
+        position, quat_xyzw = p.multiplyTransforms(position, quat_xyzw, *inverse)
+        return np.array([*position, *quat_xyzw])

@@ -1,0 +1,181 @@
+"""Open-loop replay of a motion in physics, measured against the plan.
+
+Definitions. Distances are displacements of the midpoint between the soles, from the settled start to
+the end of the tail; yaw errors likewise, of the mean heading of the soles. Tilt is the angle between
+the vertical as the simulated torso sees it and as the planned torso sees it at the same time: a turn
+about the vertical is no tilt. A robot has fallen where that angle exceeds 45 deg or its base is below
+60 % of its planned height. Slip is the horizontal displacement of a sole within one of its support
+phases in the plan.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mgs.geometry import wrap_angle
+from mgs.motion import Motion
+from mgs.robot import FLOATING_BASE_NQ
+from mgs.sim.engine import DEFAULTS, EngineName, Settings, make_engine
+from mgs.sim.measure import angle_between, largest_slip, travel
+from mgs.sim.playback import Progress, Recording, fallen, play, poses_along
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """What happened at the M samples of the motion and its tail, from the settled start on.
+
+    World frame, SI units. M is smaller than planned if the robot fell.
+    """
+
+    t: Array  # (M,) motion time
+    plan: NDArray[np.intp]  # (M,) sample of the motion; the last one stays during the tail
+    q: Array  # (M, 7 + n) base position, base quaternion xyzw, joint angles
+    torque: Array  # (M, n) of the servos, mean over the sampling period before
+    soles: Array  # (M, 2, 7) x, y, z, quaternion xyzw
+    tilt: Array  # (M,) of the torso against the plan [rad]
+
+
+@dataclass(frozen=True, eq=False)
+class Replay:
+    """One open-loop execution, measured; times are motion times."""
+
+    engine: EngineName
+    version: str
+    settings: Settings  # as used: dt divides the sampling period
+    fell: bool
+    fall_time: float | None  # [s]
+    distance: tuple[float, float]  # x, y [m]
+    planned_distance: tuple[float, float]  # x, y [m]
+    position_error: float  # of the two distances [m]
+    yaw_error_deg: float
+    settled_tilt_deg: float  # at the settled start, before the motion
+    max_tilt_deg: float
+    max_tilt_time: float  # [s]
+    min_base_height: float  # [m]
+    joint_error_rms_deg: float  # over all samples and joints
+    joint_error_max_deg: float
+    torque_saturation: float  # longest time in a row that any joint is at its stall torque [s]
+    torque_saturation_joint: str | None
+    torque_rms: dict[str, float]  # by joint [N m]
+    torque_peak: dict[str, float]  # by joint [N m]
+    sole_slip_max: float  # [m]
+    sole_slip_side: str | None
+    sole_slip_time: float | None  # [s]
+    wall_seconds: float
+    trace: Trace
+
+    def to_json(self) -> dict[str, object]:
+        """Plain dict of all figures, without the trace."""
+        fields = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        del fields["trace"]
+        fields["settings"] = dataclasses.asdict(self.settings)
+        return {key: list(v) if isinstance(v, tuple) else v for key, v in fields.items()}
+
+
+def replay(
+    motion: Motion,
+    engine: EngineName,
+    settings: Settings | None = None,
+    progress: Progress | None = None,
+) -> Replay:
+    """Execute a motion open loop in a physics engine.
+
+    Args:
+        motion: what the servos are told.
+        engine: name of the engine.
+        settings: None for the engine's defaults.
+        progress: called with samples done and samples in all.
+
+    Raises:
+        SimulationError: the engine is missing, has loaded another robot or diverged.
+    """
+    started = time.perf_counter()
+    settings = _divide(settings or DEFAULTS[engine], motion.dt)
+    simulator = make_engine(engine, motion.robot, settings)
+    try:
+        version = simulator.version
+        recording = play(motion, simulator, settings, progress)
+    finally:
+        simulator.close()
+    figures = _figures(motion, recording)
+    wall_seconds = time.perf_counter() - started
+    return Replay(
+        engine=engine, version=version, settings=settings, wall_seconds=wall_seconds, **figures
+    )
+
+
+def _divide(settings: Settings, period: float) -> Settings:
+    """Settings with the longest step that is no longer and divides the sampling period [s]."""
+    n_steps = max(1, int(np.ceil(period / settings.dt - 1e-9)))
+    return dataclasses.replace(settings, dt=period / n_steps)
+
+
+def _figures(motion: Motion, recording: Recording) -> dict[str, Any]:
+    q, q_plan = recording.q, motion.q[recording.plan]
+    soles, up = poses_along(motion.robot, q)
+    _, up_plan = poses_along(motion.robot, q_plan)
+    down = np.flatnonzero(fallen(up, up_plan, q[:, 2], q_plan[:, 2]))
+    fall = int(down[0]) if len(down) else None
+    t = np.arange(len(q)) * motion.dt
+    tilt = angle_between(up, up_plan)
+    return {
+        "fell": fall is not None,
+        "fall_time": None if fall is None else float(t[fall]),
+        "settled_tilt_deg": float(np.degrees(tilt[0])),
+        "max_tilt_deg": float(np.degrees(tilt.max())),
+        "max_tilt_time": float(t[tilt.argmax()]),
+        "min_base_height": float(q[:, 2].min()),
+        "trace": Trace(t, recording.plan, q, recording.torque, soles, tilt),
+        **_travel_figures(motion, soles),
+        **_joint_figures(q - q_plan),
+        **_effort_figures(motion, recording),
+        **_slip_figures(soles[:fall], motion.support[recording.plan[:fall]], motion.dt),
+    }
+
+
+def _travel_figures(motion: Motion, soles: Array) -> dict[str, Any]:
+    """Displacements over the whole plan, even if the replay ended early."""
+    done, planned = travel(soles), travel(motion.soles)
+    return {
+        "distance": (float(done[0]), float(done[1])),
+        "planned_distance": (float(planned[0]), float(planned[1])),
+        "position_error": float(np.linalg.norm(done[:2] - planned[:2])),
+        "yaw_error_deg": float(np.degrees(wrap_angle(done[2] - planned[2]))),
+    }
+
+
+def _joint_figures(difference: Array) -> dict[str, Any]:
+    errors_deg = np.degrees(difference[:, FLOATING_BASE_NQ:])
+    return {
+        "joint_error_rms_deg": float(np.sqrt(np.square(errors_deg).mean())),
+        "joint_error_max_deg": float(np.abs(errors_deg).max()),
+    }
+
+
+def _effort_figures(motion: Motion, recording: Recording) -> dict[str, Any]:
+    names, effort = motion.robot.joint_names, recording.effort
+    worst = int(effort.saturation.argmax())
+    saturation = float(effort.saturation[worst])
+    return {
+        "torque_saturation": saturation,
+        "torque_saturation_joint": names[worst] if saturation > 0.0 else None,
+        "torque_rms": dict(zip(names, effort.rms.tolist(), strict=True)),
+        "torque_peak": dict(zip(names, effort.peak.tolist(), strict=True)),
+    }
+
+
+def _slip_figures(soles: Array, support: NDArray[np.int8], dt: float) -> dict[str, Any]:
+    slip = largest_slip(soles, support, dt)
+    return {
+        "sole_slip_max": slip.distance,
+        "sole_slip_side": None if slip.side is None else slip.side.label,
+        "sole_slip_time": None if slip.sample is None else slip.sample * dt,
+    }

@@ -1,0 +1,75 @@
+"""Pass or fail of a motion: static checks and physics replays put together.
+
+Tolerances of a replay: the robot stays up to the end and one second longer, ends within
+max(10 % of the distance, 20 mm) and 5 deg of its plan, and holds no servo at its stall torque for
+longer than 50 ms in a row.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mgs.checks import Check
+from mgs.sim import Replay
+
+POSITION_RATIO, POSITION_FLOOR = 0.10, 0.020  # of the distance; [m]
+YAW_LIMIT_DEG = 5.0
+SATURATION_LIMIT = 0.050  # [s] in a row
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """All findings on one motion file."""
+
+    file: str
+    checks: tuple[Check, ...]  # static ones first, then those of each replay
+    replays: tuple[Replay, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether no check fails."""
+        return all(check.ok for check in self.checks)
+
+    def to_dict(self) -> dict[str, object]:
+        """The verdict as plain data, in the shape that `mgs validate --json` prints."""
+        return {
+            "file": self.file,
+            "verdict": "pass" if self.passed else "fail",
+            "checks": [check.to_dict() for check in self.checks],
+            "replays": [replay.to_json() for replay in self.replays],
+            "monte_carlo": None,
+        }
+
+
+def judge(file: str, checks: list[Check], replays: list[Replay]) -> Verdict:
+    """Verdict on a motion from its static checks and its replays."""
+    physical = [check for replay in replays for check in replay_checks(replay)]
+    return Verdict(file, (*checks, *physical), tuple(replays))
+
+
+def replay_checks(replay: Replay) -> list[Check]:
+    """What a replay must show; a robot that fell is not measured further."""
+    name = replay.engine
+    tilt = replay.max_tilt_deg
+    upright = Check(
+        f"{name}_upright", not replay.fell, tilt, 45.0, "deg of tilt", replay.fall_time, "torso"
+    )
+    if replay.fell:
+        return [upright]
+    distance = float(np.hypot(*replay.planned_distance))
+    allowed = max(POSITION_RATIO * distance, POSITION_FLOOR)
+    yaw = abs(replay.yaw_error_deg)
+    saturation = replay.torque_saturation
+    joint = replay.torque_saturation_joint or ""
+    return [
+        upright,
+        _at_most(f"{name}_position", replay.position_error, allowed, "m from plan"),
+        _at_most(f"{name}_yaw", yaw, YAW_LIMIT_DEG, "deg from plan"),
+        _at_most(f"{name}_saturation", saturation, SATURATION_LIMIT, "s in a row", joint),
+    ]
+
+
+def _at_most(name: str, value: float, limit: float, unit: str, where: str = "") -> Check:
+    return Check(name, value <= limit, value, limit, unit, None, where)

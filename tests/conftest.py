@@ -1,0 +1,50 @@
+"""Fixtures that many tests share: the robot, its reference walk, and every gait that ships."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import pytest
+from hypothesis import settings
+
+from mgs.gait import Gait, list_gaits, load_gait
+from mgs.pipeline import Stages, generate
+from mgs.robot import Robot, load_robot
+from tests.crooked import crooked_robot
+
+# the same examples in every run, and no failure because a machine is slow
+settings.register_profile("mgs", derandomize=True, deadline=None, max_examples=60)
+settings.load_profile("mgs")
+
+
+@dataclass(frozen=True)
+class Generated:
+    """A gait, the robot that walks it, and what the pipeline makes of it."""
+
+    robot: Robot
+    gait: Gait
+    stages: Stages
+
+
+@pytest.fixture(scope="session")
+def melson() -> Robot:
+    return load_robot("melson")
+
+
+@pytest.fixture(scope="session", params=["melson", "crooked"])
+def any_robot(request: pytest.FixtureRequest) -> Robot:
+    """Melson, and a robot with none of its right angles."""
+    return load_robot("melson") if request.param == "melson" else crooked_robot(seed=3)
+
+
+@pytest.fixture(scope="session")
+def walk_5cm(melson: Robot) -> Stages:
+    return generate(melson, load_gait("melson/walk_5cm"), "melson/walk_5cm")
+
+
+@pytest.fixture(scope="session", params=list_gaits())
+def shipped(request: pytest.FixtureRequest) -> Generated:
+    """Every shipped gait in turn; one that names no robot is walked by Melson."""
+    gait = load_gait(request.param)
+    robot = load_robot(gait.robot or "melson")
+    return Generated(robot, gait, generate(robot, gait, request.param))

@@ -1,0 +1,89 @@
+"""Hypothesis strategies for gaits, and a short way to write one down."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hypothesis import strategies as st
+
+from mgs.gait import ComParameters, Gait, IkParameters, WalkParameters
+
+
+def walk_gait(
+    dt: float = 0.01,
+    com: dict[str, Any] | None = None,
+    ik: dict[str, Any] | None = None,
+    **walk: Any,
+) -> Gait:
+    """A walk with the defaults of the gait file but for what is given."""
+    return Gait(
+        mgs=1,
+        motion="walk",
+        dt=dt,
+        walk=WalkParameters(**{"n_steps": 2, **walk}),
+        com=ComParameters(**(com or {})),
+        ik=IkParameters(**(ik or {})),
+    )
+
+
+def numbers(low: float, high: float) -> st.SearchStrategy[float]:
+    return st.floats(low, high, allow_nan=False, width=64)
+
+
+@st.composite
+def walks(draw: st.DrawFn, max_steps: int = 8) -> Gait:
+    """Walks whose footsteps do not overlap on Melson (soles 106 mm x 60 mm).
+
+    Some of them need more reach than it has: enough for the first three stages.
+    """
+    return walk_gait(
+        dt=draw(st.sampled_from([0.005, 0.01, 0.02])),
+        n_steps=draw(st.integers(2, max_steps)),
+        step_length=draw(numbers(-0.06, 0.06)),
+        lateral=draw(st.just(0.0) | numbers(-0.03, 0.03)),
+        step_yaw=draw(st.just(0.0) | numbers(-0.15, 0.15)),
+        step_width=draw(numbers(0.095, 0.12)),
+        first_support=draw(st.sampled_from(["left", "right", None])),
+        lead_in=draw(numbers(1.6, 2.2)),
+        double_support=draw(numbers(0.15, 1.2)),
+        single_support=draw(numbers(0.3, 2.4)),
+        lead_out=draw(numbers(1.6, 2.2)),
+        step_height=draw(numbers(0.005, 0.04)),
+        zmp_offset=[draw(numbers(-0.02, 0.02)), draw(numbers(-0.01, 0.01))],
+    )
+
+
+@st.composite
+def legal_gaits(draw: st.DrawFn) -> Gait:
+    """Gaits from all over what a gait file allows, whether any robot can walk them or not."""
+    preview = draw(numbers(0.1, 10.0))
+    n_steps = draw(st.integers(1, 300))
+    moving = numbers(-1.0, 1.0) if n_steps > 1 else st.just(0.0)
+    return walk_gait(
+        dt=draw(numbers(0.01, 0.1)),
+        com={
+            "preview": preview,
+            "weight_error": draw(numbers(1e-9, 1e12)),
+            "weight_jerk": draw(numbers(1e-12, 1e6)),
+        },
+        ik={
+            "gamma_joint": draw(numbers(0.0, 1e3)),
+            "gamma_grav": draw(numbers(0.0, 1e3)),
+            "gamma_grav_ramp": draw(numbers(1e-3, 10.0)),
+            "iterations": draw(st.none() | st.integers(0, 50)),
+            "on_limit": draw(st.sampled_from(["refuse", "record"])),
+        },
+        n_steps=n_steps,
+        step_length=draw(moving),
+        lateral=draw(moving),
+        step_yaw=draw(moving),
+        step_width=draw(st.none() | numbers(1e-3, 2.0)),
+        first_support=draw(st.sampled_from(["left", "right", None])),
+        lead_in=draw(numbers(preview, 60.0)),
+        double_support=draw(numbers(1e-3, 20.0)),
+        single_support=draw(numbers(1e-3, 20.0)),
+        lead_out=draw(numbers(preview, 60.0)),
+        step_height=draw(numbers(1e-6, 0.5)),
+        com_height=draw(st.none() | numbers(1e-3, 3.0)),
+        zmp_offset=draw(st.lists(numbers(-1.0, 1.0), min_size=2, max_size=2)),
+    )
