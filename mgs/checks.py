@@ -92,21 +92,24 @@ def tracking_errors(motion: Motion) -> dict[str, float]:
     }
 
 
-def zmp_margins(motion: Motion, zmp: Array) -> Array:
-    """Signed distance (N,) of points (N, 2) to the edge of the support polygon [m]."""
+def zmp_margins(motion: Motion, zmp: Array, soles: Array | None = None) -> Array:
+    """Signed distance (N,) of points (N, 2) to the edge of the support polygon [m].
+
+    `soles` (N, 2, 7) are those that the polygon is made of; None: as the motion states them.
+    """
+    soles = motion.soles if soles is None else soles
     margins = np.empty(motion.n_samples)
     for start, end in _support_spans(motion.support):
-        polygon = support_polygon(motion, start)
+        polygon = support_polygon(motion, soles, start)
         margins[start:end] = polygon_margins(zmp[start:end], polygon)
     return margins
 
 
-def support_polygon(motion: Motion, sample: int) -> Array:
-    """Convex hull (m, 2) of the soles in contact at one sample, counter-clockwise."""
+def support_polygon(motion: Motion, soles: Array, sample: int) -> Array:
+    """Convex hull (m, 2) of the soles (N, 2, 7) in contact at one sample, counter-clockwise."""
     points = []
     for side in Support(motion.support[sample]).sides:
-        pose = motion.soles_ref[sample, side]
-        spec = motion.robot.sole_spec(side)
+        pose, spec = soles[sample, side], motion.robot.sole_spec(side)
         planar = [pose[0], pose[1], float(yaw_from_quat_xyzw(pose[3:]))]
         points.append(sole_corners(planar, spec.length, spec.width))
     return convex_hull(np.concatenate(points))
@@ -175,7 +178,7 @@ def _worst_joint(motion: Motion, name: str, value: Array, limit: Array, unit: st
 
 
 def _zmp_margin(motion: Motion, body: WholeBodyMotion) -> Check:
-    margins = zmp_margins(motion, body.zmp)
+    margins = zmp_margins(motion, body.zmp, body.soles)
     k = int(np.argmin(margins))
     where = f"{Support(motion.support[k]).label} support"
     worst = float(margins[k])

@@ -187,8 +187,16 @@ def build_robot(yaml_text: str, urdf_text: str, source: str | Path) -> Robot:
     servos = [spec.servos[spec.joints[name]] for name in names]
     lower, upper = model.lowerPositionLimit[7:].copy(), model.upperPositionLimit[7:].copy()
     no_load_speed = np.array([servo.no_load_speed for servo in servos])
+    speed_limit = np.minimum(model.velocityLimit[6:], no_load_speed)
     posture = np.array([spec.posture.get(name, 0.0) for name in names])
+    for inertia, joint in zip(model.inertias[1:], model.names[1:], strict=True):
+        if inertia.mass < 0.0:
+            problems.append(f"{spec.urdf}: the links moved by {joint} weigh {inertia.mass:g} kg")
+    if not pin.computeTotalMass(model) > 0.0:
+        problems.append(f"{spec.urdf}: no link has a mass")
     for i, name in enumerate(names):
+        if not speed_limit[i] > 0.0:
+            problems.append(f"{spec.urdf}: joint {name}: limit velocity = {speed_limit[i]:g} rad/s")
         if not lower[i] < upper[i]:
             problems.append(f"{spec.urdf}: joint {name}: limits [{lower[i]}, {upper[i]}] are empty")
         elif not lower[i] <= posture[i] <= upper[i]:
@@ -215,7 +223,7 @@ def build_robot(yaml_text: str, urdf_text: str, source: str | Path) -> Robot:
         joint_names=names,
         lower=lower,
         upper=upper,
-        speed_limit=np.minimum(model.velocityLimit[6:], no_load_speed),
+        speed_limit=speed_limit,
         no_load_speed=no_load_speed,
         torque_limit=np.array([servo.stall_torque for servo in servos]),
         armature=np.array([servo.armature for servo in servos]),
@@ -245,11 +253,12 @@ def _check_names(
         if not model.existBodyName(link):
             problems.append(f"{key}: {spec.urdf} has no link {link!r}")
 
-    for joint in range(2, model.njoints):
-        if model.joints[joint].nq != 1 or model.joints[joint].nv != 1:
-            problems.append(
-                f"{spec.urdf}: joint {model.names[joint]} is not a revolute joint with limits"
-            )
+    for joint, name in enumerate(names, start=2):
+        kind = model.joints[joint]
+        if kind.nq != 1 or not kind.shortname().startswith("JointModelR"):
+            problems.append(f"{spec.urdf}: joint {name} is not a revolute joint with limits")
+        if name in model.names[:2]:  # its link would be welded to the floating base
+            problems.append(f"{spec.urdf}: joint {name}: a name taken by Pinocchio; rename it")
     for key, frame in (
         ("torso", spec.torso),
         ("soles.left", spec.soles.left),
@@ -289,7 +298,10 @@ def _collision_pairs(robot: Robot) -> pin.GeometryModel:
     with tempfile.TemporaryDirectory() as folder:  # Pinocchio reads geometry from files only
         path = Path(folder) / "robot.urdf"
         path.write_text(robot.urdf, encoding="utf-8")
-        geometry = pin.buildGeomFromUrdf(robot.model, str(path), pin.GeometryType.COLLISION)
+        geometry = _call_parser(
+            lambda: pin.buildGeomFromUrdf(robot.model, str(path), pin.GeometryType.COLLISION),
+            f"{robot.source}: {robot.spec.urdf}",
+        )
     bodies = [robot.model.frames[g.parentFrame] for g in geometry.geometryObjects]
     ignored = {frozenset(pair) for pair in robot.spec.ignore_collisions}
     parents = robot.model.parents

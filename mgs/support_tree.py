@@ -92,7 +92,7 @@ def build_support_tree(robot: Robot, side: Side) -> SupportTree:
         return int(model.addFrame(copy))
 
     inertia = sole.placement.inverse().act(source.inertias[root_joint])
-    base = source.getFrameId(robot.spec.base_link)
+    base = source.getBodyId(robot.spec.base_link)
     swing, hands = add(robot.sole_frames[side.other]), [add(f) for f in robot.hand_frames]
     return SupportTree(
         side=side,

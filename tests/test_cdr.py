@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_typestore
 
 from mgs.motion_file.cdr import (
     DEFINITIONS,
-    PRIMITIVES,
     Counted,
     Slot,
     element_layout,
@@ -24,7 +23,8 @@ from mgs.motion_file.cdr import (
 )
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
-MESSAGES = [kind for kind in DEFINITIONS if kind.split("/")[0] != "builtin_interfaces"]
+USED_IN_OTHERS = {line.split()[0].removesuffix("[]") for d in DEFINITIONS.values() for line in d}
+MESSAGES = [kind for kind in DEFINITIONS if kind not in USED_IN_OTHERS]
 NUMBERS = {
     "bool": st.booleans(),
     "uint8": st.integers(0, 255),
@@ -41,7 +41,7 @@ ARRAYS = {"uint8": np.uint8, "float64": np.float64}
 def values(draw: st.DrawFn, kind: str) -> Any:
     """Values of a type; every string and sequence length moves what comes after it."""
     if kind.endswith("[]"):
-        return draw(st.lists(values(kind.removesuffix("[]")), max_size=3))
+        return draw(st.lists(values(kind.removesuffix("[]")), max_size=2))
     if kind in NUMBERS:
         return draw(NUMBERS[kind])
     fields = [line.split() for line in DEFINITIONS[kind]]
@@ -70,14 +70,8 @@ def test_schema_text_is_that_of_rosbags_without_constants(kind: str) -> None:
     assert schema_text(kind) == re.sub(r"^\S+ \w+=.*\n", "", expected, flags=re.MULTILINE)
 
 
-def test_primitives_have_the_size_that_their_name_says() -> None:
-    sizes = {kind: np.dtype(code).itemsize for kind, code in PRIMITIVES.items()}
-    assert {k: 8 * s for k, s in sizes.items() if k != "bool"} == {
-        kind: int(re.sub(r"\D", "", kind)) for kind in PRIMITIVES if kind != "bool"
-    }
-
-
 @pytest.mark.parametrize("kind", MESSAGES)
+@settings(max_examples=30)
 @given(data=st.data())
 def test_every_message_is_byte_for_byte_that_of_rosbags(kind: str, data: st.DataObject) -> None:
     value = data.draw(values(kind))

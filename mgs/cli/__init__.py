@@ -31,6 +31,8 @@ class ErrorsAsMessages(click.Group):
             return super().invoke(ctx)
         except MgsError as error:
             raise _Message(error) from error
+        except BrokenPipeError:
+            raise  # the reader of our output has gone; click ends quietly
         except OSError as error:
             what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
             raise click.ClickException(what) from error

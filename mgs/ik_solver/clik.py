@@ -101,6 +101,15 @@ def rest_profile(n_samples: int, dt: float, ramp: float) -> Array:
     return np.clip(np.minimum(k, n_samples - 1 - k) * dt / ramp, 0.0, 1.0)
 
 
+def _task_steps(positions: Array, rotations: Array) -> Array:
+    """t[k] - t[k-1] (m, 15) of positions (m, 12) and rotations (m, 3, 3); zero for the first."""
+    steps = np.zeros((len(positions), N_TASKS))
+    steps[1:, :12] = np.diff(positions, axis=0)
+    for i in np.flatnonzero(np.any(rotations[1:] != rotations[:-1], axis=(1, 2))) + 1:
+        steps[i, TURN] = pin.log3(rotations[i] @ rotations[i - 1].T)
+    return steps
+
+
 class _Run:
     """One pass over a trajectory: the buffers and the loop over samples."""
 
@@ -164,40 +173,43 @@ class _Run:
         self, tree: TreeTasks, q: Array, start: int, positions: Array, rotations: Array
     ) -> Array:
         """Fill `angles` from sample `start`, beginning at q (n,); remaining task errors (m, 15)."""
-        order, angles, threshold2 = tree.order, self.angles, self.threshold2
-        middle, inverse_range2 = self.middle[order], self.inverse_range2[order]
-        errors = np.empty((len(positions), N_TASKS))
+        middle, inverse_range2 = self.middle[tree.order], self.inverse_range2[tree.order]
+        advance = _task_steps(positions, rotations)
+        path, errors = np.empty((len(positions), len(q))), np.empty((len(positions), N_TASKS))
         tree.update(q)
+        error = np.empty(N_TASKS)  # t[k] - f(q[k]), then t[k + 1] - f(q[k]) = that + advance
+        tree.error(positions[0], rotations[0], error)
         for i in range(len(positions)):
             k = start + i
-            error = errors[i]
-            tree.error(positions[i], rotations[i], error)
+            error += advance[i]
             gain_joint, gain_grav = self.gain_joint[k], self.gain_grav[k]
             if gain_joint or gain_grav:
-                v0 = (middle - q) * inverse_range2
+                v0 = middle - q
+                v0 *= inverse_range2
                 v0 *= gain_joint
                 if gain_grav:
                     tau, dtau = tree.gravity(q)
-                    v0 -= gain_grav * (tau @ dtau)
-                error -= tree.J @ v0
+                    v0 -= np.dot(tau, dtau) * gain_grav
+                error -= tree.J.dot(v0)
                 q += v0
             q += self._least_norm(tree.J, error, k)
             tree.update(q)
             tree.error(positions[i], rotations[i], error)
             updates = self.max_updates
-            while updates and error @ error > threshold2:
+            while updates and error.dot(error) > self.threshold2:
                 q += self._least_norm(tree.J, error, k)
                 tree.update(q)
                 tree.error(positions[i], rotations[i], error)
                 updates -= 1
                 self.updates += 1
-            angles[k, order] = q
+            path[i], errors[i] = q, error
+        self.angles[start : start + len(path), tree.order] = path
         return errors
 
-    def _least_norm(self, J: Array, error: Array, k: int) -> Array:
-        """J^T (J J^T + damping^2 I)^-1 error (n,), by one Cholesky factor."""
+    def _least_norm(self, J: Array, error: Array, k: int, damping2: float = 0.0) -> Array:
+        """J^T (J J^T + (damping^2 + damping2) I)^-1 error (n,), by one Cholesky factor."""
         np.dot(J, J.T, out=self.A)
-        self.diagonal += self.tuning.damping**2
+        self.diagonal += self.tuning.damping**2 + damping2
         _, y, info = lapack.dposv(self.A.T, error, overwrite_a=True)
         if info != 0:
             raise IkError(k * self.tasks.dt, "any task (J J^T singular)", np.inf, 0.0, "")
@@ -211,7 +223,9 @@ class _Run:
             tree.error(positions, rotation, error)
             if error @ error < UPDATE_ABOVE**4:  # quadratic convergence: the last one is exact
                 break
-            q += self._least_norm(tree.J, error, 0)
+            # damping by the error (Sugihara, IEEE Trans. Robotics 27(5), 2011) settles at the nearest
+            # posture where the goal is out of reach, so that the message says how far it is
+            q += self._least_norm(tree.J, error, 0, error.dot(error))
         self._refuse_stiff_gravity_gain(tree, q)
 
     def _refuse_stiff_gravity_gain(self, tree: TreeTasks, q: Array) -> None:
@@ -240,13 +254,16 @@ class _Run:
             )
 
     def _refuse_misses(self, start: int, errors: Array) -> None:
-        for i, bad in enumerate(~np.all(np.abs(errors) <= 1e-4, axis=1)):
-            if not bad:
-                continue
-            for task, rows, tolerance, unit in TOLERANCES:
-                residual = float(np.linalg.norm(errors[i, rows]))
-                if not residual <= tolerance:
-                    raise IkError((start + i) * self.tasks.dt, task, residual, tolerance, unit)
+        """Raise IkError at the first sample that misses a tolerance, for its worst task."""
+        residuals = np.stack([np.linalg.norm(errors[:, t[1]], axis=1) for t in TOLERANCES], axis=1)
+        ratios = residuals / np.array([tolerance for _, _, tolerance, _ in TOLERANCES])
+        missed = np.flatnonzero(~np.all(ratios <= 1.0, axis=1))  # NaN counts as missed
+        if len(missed):
+            i = int(missed[0])
+            worst = int(np.argmax(np.nan_to_num(ratios[i], nan=np.inf)))
+            task, _, tolerance, unit = TOLERANCES[worst]
+            t = (start + i) * self.tasks.dt
+            raise IkError(t, task, float(residuals[i, worst]), tolerance, unit)
 
     def _refuse_limits(self, start: int, end: int) -> None:
         if not self.tuning.keep_limits:

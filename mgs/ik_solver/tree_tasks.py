@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 N_TASKS = 15
 SWING, RIGHT_HAND, LEFT_HAND, COM = slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 12)
 TURN = slice(12, 15)
+WORLD_ALIGNED = pin.LOCAL_WORLD_ALIGNED
 
 
 class TreeTasks:
@@ -39,8 +40,10 @@ class TreeTasks:
         self.model, self.data = tree.model, tree.model.createData()
         self.order = tree.order
         self.mass = robot.mass
+        self._com_tree = self.data.com[0]  # a view that every update refills
         self._com_scale = 1.0 - tree.root_mass / robot.mass  # the tree lacks its root link
         self._com_root = np.zeros(3)  # share of the root link in the CoM
+        self._com = np.zeros(3)
         self.J = np.zeros((N_TASKS, robot.n))
         self.f = np.zeros(12)
         self.R = np.eye(3)
@@ -53,31 +56,28 @@ class TreeTasks:
 
     def update(self, q: Array) -> None:
         """Refill J, f and R at joint angles q (n,) in the tree's order."""
-        model, data, tree, J, f = self.model, self.data, self.tree, self.J, self.f
+        model, data, tree = self.model, self.data, self.tree
+        swing_sole, (left_hand, right_hand) = tree.swing_sole, tree.hands
         J_com = pin.jacobianCenterOfMass(model, data, q, False)  # also places joints, fills data.J
-        swing = pin.updateFramePlacement(model, data, tree.swing_sole)
-        left = pin.updateFramePlacement(model, data, tree.hands[0])
-        right = pin.updateFramePlacement(model, data, tree.hands[1])
-        f[SWING], f[LEFT_HAND], f[RIGHT_HAND] = (
-            swing.translation,
-            left.translation,
-            right.translation,
-        )
-        f[COM] = data.com[0]
-        f[COM] *= self._com_scale
-        f[COM] += self._com_root
+        J_com *= self._com_scale
+        np.multiply(self._com_tree, self._com_scale, out=self._com)
+        self._com += self._com_root
+        swing = pin.updateFramePlacement(model, data, swing_sole)
+        left = pin.updateFramePlacement(model, data, left_hand)
+        right = pin.updateFramePlacement(model, data, right_hand)
+        positions = (swing.translation, right.translation, left.translation, self._com)
+        np.concatenate(positions, out=self.f)
         self.R = swing.rotation
-        aligned = pin.LOCAL_WORLD_ALIGNED
-        J_swing = pin.getFrameJacobian(model, data, tree.swing_sole, aligned)
-        J[SWING], J[TURN] = J_swing[:3], J_swing[3:]
-        J[LEFT_HAND] = pin.getFrameJacobian(model, data, tree.hands[0], aligned)[:3]
-        J[RIGHT_HAND] = pin.getFrameJacobian(model, data, tree.hands[1], aligned)[:3]
-        np.multiply(J_com, self._com_scale, out=J[COM])
+        J_swing = pin.getFrameJacobian(model, data, swing_sole, WORLD_ALIGNED)
+        J_left = pin.getFrameJacobian(model, data, left_hand, WORLD_ALIGNED)
+        J_right = pin.getFrameJacobian(model, data, right_hand, WORLD_ALIGNED)
+        rows = (J_swing[:3], J_right[:3], J_left[:3], J_com, J_swing[3:])
+        np.concatenate(rows, out=self.J)
 
     def error(self, positions: Array, R_ref: Array, out: Array) -> None:
-        """Target minus actual (15,): positions (12,) in the order of f and swing rotation (3, 3)."""
+        """Target minus actual (15,) for positions (12,) in the order of f and a rotation (3, 3)."""
         np.subtract(positions, self.f, out=out[:12])
-        out[TURN] = pin.log3(R_ref @ self.R.T)
+        out[TURN] = pin.log3(np.dot(R_ref, self.R.T))
 
     def gravity(self, q: Array) -> tuple[Array, Array]:
         """Gravity torques (n,) [N m] and their derivative (n, n), in the tree's order.

@@ -186,8 +186,10 @@ class Layout:
         columns: dict[str, NDArray[Any]] = {}
         for slot, offset in self.slots:
             part = rows[:, offset : offset + slot.size]
-            values = part.view(slot.dtype).copy()
-            if not np.array_equal(columns.setdefault(slot.name, values), values):
+            values = part.view(slot.dtype)
+            if slot.name not in columns:
+                columns[slot.name] = values.copy()
+            elif not np.array_equal(columns[slot.name], values):
                 raise ValueError(f"two values of {slot.name} in one message differ")
             part[:] = 0  # as in the template
         if not (rows == self.template).all():
@@ -230,7 +232,7 @@ class _Encoder:
         elif kind == "string":
             self.put_string(value or "")
         elif kind in PRIMITIVES:
-            self.put_number(PRIMITIVES[kind], value or 0)
+            self.put_number(PRIMITIVES[kind], 0 if value is None else value)
         else:
             self.put_struct(kind, value or {})
 

@@ -35,12 +35,20 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from mgs.motion_file.cdr import Bytes
-from mgs.motion_file.mcap_writer import CHUNK_HEAD, HEAD, INDEX_HEAD, MAGIC, MESSAGE, Times, crc_of
+from mgs.motion_file.mcap_writer import (
+    CHUNK_HEAD,
+    HEAD,
+    INDEX_HEAD,
+    MAGIC,
+    MESSAGE,
+    RECORD_HEAD,
+    Times,
+    crc_of,
+)
 
 R = TypeVar("R", bound=McapRecord)
 
 MAX_CHUNK = 1 << 28  # [bytes] uncompressed; ours with samples are far below
-RECORD_HEAD = struct.Struct("<BQ")
 DATA_END = struct.Struct("<BQI")
 FOOTER = struct.Struct("<BQQQI")
 
@@ -75,7 +83,7 @@ class ChunkReader:
         if (opcode, length) != (Opcode.DATA_END, 4):
             raise DamagedFileError("the summary does not follow the data")
         if crc == 0:
-            raise DamagedFileError("the data have no checksum; did another program rewrite it?")
+            raise DamagedFileError("the data have no checksum; another program rewrote the file")
         if crc_of(self.stream, 0, end) != crc:
             raise DamagedFileError("the checksum of the data does not match; the file is damaged")
 
@@ -130,7 +138,9 @@ class ChunkReader:
         if tail[FOOTER.size :] != MAGIC or opcode != Opcode.FOOTER:
             raise DamagedFileError("the end is missing; the file is truncated")
         if not len(MAGIC) + DATA_END.size <= start <= self.size - tail_size:
-            raise DamagedFileError("it has no summary")
+            raise DamagedFileError("it has no summary; mgs did not write it")
+        if crc == 0:
+            raise DamagedFileError("the summary has no checksum; mgs did not write it")
         if crc_of(self.stream, start, self.size - len(MAGIC) - 4) != crc:
             raise DamagedFileError("the checksum of the summary does not match")
         return int(start)

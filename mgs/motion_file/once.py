@@ -100,6 +100,7 @@ class TrajectoryMessage:
     """
 
     motion: Motion
+    times: NDArray[np.int32]  # (N, 2) seconds and nanoseconds from the start
     head: Layout  # up to the end of the first point
     point: Layout  # each of the others
 
@@ -116,12 +117,10 @@ class TrajectoryMessage:
             yield self.point.encode(len(columns["time"]), columns).reshape(-1)
 
     def _columns(self, samples: slice) -> dict[str, NDArray[Any]]:
-        motion = self.motion
-        times = stamps_ns(motion.n_samples, motion.dt)[samples] - np.uint64(START_NS)
         return {
-            "positions": motion.q[samples, 7:],
-            "velocities": motion.v[samples, 6:],
-            "time": split_stamps(times),
+            "positions": self.motion.q[samples, 7:],
+            "velocities": self.motion.v[samples, 6:],
+            "time": self.times[samples],
         }
 
 
@@ -138,4 +137,5 @@ def trajectory_message(motion: Motion) -> TrajectoryMessage:
     head = message_layout("trajectory_msgs/JointTrajectory", value)
     # a point ends at a multiple of 8 bytes, so all but the first are laid out alike
     rest = element_layout("trajectory_msgs/JointTrajectoryPoint", point, head.size - 4)
-    return TrajectoryMessage(motion, head, rest)
+    times = stamps_ns(motion.n_samples, motion.dt) - np.uint64(START_NS)
+    return TrajectoryMessage(motion, split_stamps(times), head, rest)

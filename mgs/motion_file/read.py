@@ -123,7 +123,7 @@ def _all_errors_naming(path: Path) -> Iterator[None]:
     except DamagedFileError as error:
         raise MotionFileError(path, str(error)) from error
     except ConfigError as error:
-        raise MotionFileError(path, "; ".join(error.problems)) from error
+        raise MotionFileError(path, str(error).removeprefix(f"{path}: ")) from error
     except (
         ArithmeticError,
         LookupError,

@@ -1,11 +1,11 @@
 """Transforms between the links of a robot along a motion, as tf wants them.
 
-The pose of a link in its parent link is T_parent_joint * T_joint(q): a constant placement and the
-motion of one joint along or about its own axis. For the rotation that is, as quaternions,
+A link is in its parent link at a constant placement, turned about the axis of its joint by q. As
+quaternions, with quat that of the placement,
 
-    quat(q) = quat_0 * (axis sin(q/2), cos(q/2)) = cos(q/2) quat_0 + sin(q/2) (quat_0 * (axis, 0))
+    quat(q) = quat * (axis sin(q/2), cos(q/2)) = cos(q/2) quat + sin(q/2) (quat * (axis, 0))
 
-so every link costs two constant quaternions and a few array operations for all samples.
+so that a link costs two constant quaternions and a few array operations for all samples.
 """
 
 from __future__ import annotations
@@ -30,21 +30,17 @@ class LinkTree:
     fixed: tuple[tuple[str, str], ...]
     fixed_poses: Array  # (K, 7) of the child in the parent: x, y, z, quaternion xyzw
     index: NDArray[np.intp]  # (J,) of the joint in q
-    position: Array  # (J, 3) at q = 0 [m]
-    slide: Array  # (J, 3) change of the position with q; zero for a revolute joint
-    quat: Array  # (J, 4) at q = 0
+    position: Array  # (J, 3) of the placement [m]
+    quat: Array  # (J, 4) of the placement
     turn: Array  # (J, 4) quat * (axis, 0)
-    half: Array  # (J,) half angle per q: 1/2, or 0 for a prismatic joint
 
     def poses(self, q: Array) -> Array:
         """Poses (N, J, 7) of the moving links in their parents at q (N, nq)."""
-        q = q[:, self.index, None]  # (N, J, 1)
-        angle = self.half[:, None] * q
+        half = 0.5 * q[:, self.index, None]  # (N, J, 1)
         out = np.empty((len(q), len(self.index), 7))
-        np.multiply(self.slide, q, out=out[..., :3])
-        out[..., :3] += self.position
-        np.multiply(self.quat, np.cos(angle), out=out[..., 3:])
-        out[..., 3:] += self.turn * np.sin(angle)
+        out[..., :3] = self.position
+        np.multiply(self.quat, np.cos(half), out=out[..., 3:])
+        out[..., 3:] += self.turn * np.sin(half)
         return out
 
 
@@ -60,32 +56,27 @@ def link_tree(robot: Robot) -> LinkTree:
     fixed = [b for b in bodies if frames[b.parentFrame].type == pin.FrameType.FIXED_JOINT]
     fixed_poses = [pin.SE3ToXYZQUAT(parents[b.name].placement.actInv(b.placement)) for b in fixed]
     joints = [_joint_constants(robot.model, b.parentJoint, parents[b.name]) for b in moving]
-    columns = zip(*joints, strict=True) if joints else ((),) * 6
-    index, position, slide, quat, turn, half = (np.array(column) for column in columns)
+    index, position, quat, turn = (np.array(column) for column in zip(*joints, strict=True))
     return LinkTree(
         root=root,
         moving=tuple((parents[b.name].name, b.name) for b in moving),
         fixed=tuple((parents[b.name].name, b.name) for b in fixed),
         fixed_poses=np.array(fixed_poses).reshape(-1, 7),
-        index=index.astype(np.intp),
-        position=position.reshape(-1, 3),
-        slide=slide.reshape(-1, 3),
-        quat=quat.reshape(-1, 4),
-        turn=turn.reshape(-1, 4),
-        half=half,
+        index=index,
+        position=position,
+        quat=quat,
+        turn=turn,
     )
 
 
 def _joint_constants(
     model: pin.Model, joint: int, parent: pin.Frame
-) -> tuple[int, Array, Array, Array, Array, float]:
-    """What a link's pose in its parent needs: index, position, slide, quat, turn, half."""
+) -> tuple[int, Array, Array, Array]:
+    """What the pose of a joint's link in its parent link needs: index, position, quat, turn."""
     kind = model.joints[joint]
     data = kind.createData()
     kind.calc(data, pin.neutral(model))
-    slide, axis = np.array(data.S).reshape(6)[:3], np.array(data.S).reshape(6)[3:]
-    placement = parent.placement.actInv(model.jointPlacements[joint])
-    quat = pin.SE3ToXYZQUAT(placement)[3:]
-    turn = (pin.Quaternion(quat) * pin.Quaternion(np.append(axis, 0.0))).coeffs()
-    half = 0.5 if axis.any() else 0.0
-    return kind.idx_q, placement.translation, placement.rotation @ slide, quat, turn, half
+    axis = np.array(data.S).reshape(6)[3:]
+    pose = pin.SE3ToXYZQUAT(parent.placement.actInv(model.jointPlacements[joint]))
+    turn = (pin.Quaternion(pose[3:]) * pin.Quaternion(np.append(axis, 0.0))).coeffs()
+    return kind.idx_q, pose[:3], pose[3:], turn

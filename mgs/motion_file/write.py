@@ -20,6 +20,7 @@ from mgs.motion_file.check import find_problem
 from mgs.motion_file.mcap_writer import (
     HEAD,
     MESSAGE,
+    RECORD_HEAD,
     Block,
     ChunkWriter,
     block_of_message,
@@ -77,6 +78,7 @@ def write_motion(
 @contextlib.contextmanager
 def _replacing(path: Path) -> Iterator[BinaryIO]:
     """Stream into a file beside `path` that takes its place when all went well, else vanishes."""
+    new_folders = [folder for folder in path.parents if not folder.exists()]  # innermost first
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f".mgs-{secrets.token_hex(8)}.part")
     try:
@@ -85,6 +87,9 @@ def _replacing(path: Path) -> Iterator[BinaryIO]:
         part.replace(path)
     except BaseException:  # KeyboardInterrupt too
         part.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # someone else has put something there
+            for folder in new_folders:
+                folder.rmdir()
         raise
 
 
@@ -182,7 +187,7 @@ def _support_block(channel: int, times: NDArray[np.uint64], support: NDArray[np.
     layouts = support_layouts()
     rows = message_rows(channel, times, max(layout.size for layout in layouts.values()))
     sizes = np.array([layouts[s].size for s in Support])[support]  # (N,)
-    rows[:, :HEAD].view(MESSAGE)["length"][:, 0] = HEAD - 9 + sizes
+    rows[:, :HEAD].view(MESSAGE)["length"][:, 0] = HEAD - RECORD_HEAD.size + sizes
     for s, layout in layouts.items():
         rows[support == s, HEAD : HEAD + layout.size] = layout.template
     lengths = HEAD + sizes

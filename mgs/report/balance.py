@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -31,7 +33,7 @@ def _panel(motion: Motion, bounds: Array, axis: int) -> Panel:
         ),
         ylabel=f"{'xy'[axis]} [mm]",
         title=("forward", "to the left")[axis],
-        band=Band(t, *(MM * bounds[:, axis].T), "support polygon"),
+        band=Band(t, MM * bounds[:, axis, 0], MM * bounds[:, axis, 1], "support polygon"),
         shades=shade_single_support(t, motion.support),
     )
 
@@ -43,8 +45,7 @@ def support_bounds(motion: Motion) -> Array:
     either axis, which the polygon's overall extent would not tell.
     """
     bounds = np.empty((motion.n_samples, 2, 2))
-    edges = [0, *(np.flatnonzero(np.diff(motion.support)) + 1), motion.n_samples]
-    for start, end in zip(edges[:-1], edges[1:], strict=True):
+    for start, end in support_spans(motion):
         polygon = support_polygon(motion, start)
         for axis in (0, 1):
             level = motion.zmp[start:end, 1 - axis]
@@ -52,10 +53,16 @@ def support_bounds(motion: Motion) -> Array:
     return bounds
 
 
+def support_spans(motion: Motion) -> list[tuple[int, int]]:
+    """Samples start <= k < end of each stretch with the same soles in contact."""
+    edges = [0, *(np.flatnonzero(np.diff(motion.support)) + 1).tolist(), motion.n_samples]
+    return list(itertools.pairwise(edges))
+
+
 def section(polygon: Array, level: Array, axis: int) -> Array:
     """Ends (n, 2) of the cuts of a convex polygon (m, 2) by lines parallel to an axis.
 
-    `level` (n,) holds the other coordinate of each line; beyond the polygon its nearest point counts.
+    `level` (n,) holds the other coordinate of each line, brought into the polygon's range.
     """
     a, b = polygon, np.roll(polygon, -1, axis=0)
     other = 1 - axis

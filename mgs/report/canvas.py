@@ -12,8 +12,10 @@ from pathlib import Path
 from typing import Literal
 
 import matplotlib as mpl
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure as Figure
+from PIL import Image  # comes with matplotlib
 
 from mgs.contact import Side
 from mgs.errors import MgsError, OutputExistsError
@@ -53,7 +55,7 @@ def style_axes(
 
 def legend_above(figure: Figure, axes: Iterable[Axes], *, columns: int = 6) -> None:
     """One legend for all axes, above them, each label once."""
-    entries: dict[str, object] = {}
+    entries: dict[str, Artist] = {}
     for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
@@ -84,9 +86,21 @@ def figure_paths(folder: Path, names: Iterable[str], fmt: Format, *, force: bool
 
 
 def save_figures(
-    figures: Mapping[str, Figure], folder: Path, fmt: Format = "png", *, force: bool = False
+    figures: Mapping[str, Figure],
+    folder: Path,
+    fmt: Format = "png",
+    *,
+    force: bool = False,
+    few_colours: bool = False,
 ) -> list[Path]:
-    """Write figures by name into a folder, which is made if missing; the same figure, the same bytes.
+    """Write figures by name into a folder; the same figure gives the same bytes.
+
+    Args:
+        figures: by name.
+        folder: where to write; made if missing.
+        fmt: png or svg.
+        force: replace existing files.
+        few_colours: PNG with a palette, a third of the size at a slight loss.
 
     Raises:
         OutputExistsError: a file is in the way and `force` is not set; then nothing is written.
@@ -94,16 +108,22 @@ def save_figures(
     """
     paths = figure_paths(folder, figures, fmt, force=force)
     for path, figure in zip(paths, figures.values(), strict=True):
-        _replace(path, _render(figure, fmt))
+        _replace(path, _render(figure, fmt, few_colours))
     return paths
 
 
-def _render(figure: Figure, fmt: Format) -> bytes:
+def _render(figure: Figure, fmt: Format, few_colours: bool) -> bytes:
     stream = io.BytesIO()
     # neither date, version nor random identifiers
     metadata = {"Software": None} if fmt == "png" else {"Date": None, "Creator": None}
     with mpl.rc_context({"svg.hashsalt": "mgs"}):
         figure.savefig(stream, format=fmt, metadata=metadata)
+    if few_colours and fmt == "png":
+        image = Image.open(stream).convert("RGB")
+        stream = io.BytesIO()
+        image.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(
+            stream, "png", optimize=True
+        )
     return stream.getvalue()
 
 

@@ -52,7 +52,7 @@ def _place(order: list[str], groups: dict[str, str], name: str) -> int:
 
 
 def split_side(name: str) -> tuple[Side | None, str]:
-    """Side and remaining name of a joint or group: `left_knee` is (LEFT, knee), `waist` has none."""
+    """Side and remaining name of a joint or group: (LEFT, knee) of `left_knee`."""
     match = SIDE_NAME.search(name)
     rest = SIDE_NAME.sub("", name, count=1)
     if match is None or not rest:
@@ -78,7 +78,9 @@ def plot_positions(motion: Motion) -> Figure:
             limits=(float(np.degrees(low)), float(np.degrees(high))),
         )
 
-    return _multiples([panel(joints) for joints in joint_sets(robot)], robot, "dashed: joint limits")
+    return _multiples(
+        [panel(joints) for joints in joint_sets(robot)], robot, "dashed: joint limits"
+    )
 
 
 def plot_velocities(motion: Motion) -> Figure:
@@ -91,13 +93,15 @@ def plot_velocities(motion: Motion) -> Figure:
 def plot_torques(motion: Motion) -> Figure:
     """Joint torques [N m] against the servos' stall torques."""
     limits = motion.robot.torque_limit
-    return _against_symmetric_limits(motion, motion.torque, limits, "torque [N m]", "of stall torque")
+    return _against_symmetric_limits(
+        motion, motion.torque, limits, "torque [N m]", "of stall torque"
+    )
 
 
 def _against_symmetric_limits(
     motion: Motion, values: Array, limits: Array, ylabel: str, what: str
 ) -> Figure:
-    """Values (N, n) against +-limits (n,); the axes end near the data where the limit is far off."""
+    """Values (N, n) against +-limits (n,); the axes end near the data if limits are far."""
 
     def panel(joints: JointSet) -> Panel:
         i = [index for _, index in joints.joints]
@@ -126,7 +130,7 @@ def _lines(motion: Motion, joints: JointSet, values: Array) -> tuple[Line, ...]:
             values[:, i],
             "middle" if side is None else side.label,
             INK if side is None else SIDE_COLOURS[side],
-            width=2.2 if side is Side.LEFT else 1.1,  # seen where the other runs over it
+            width=1.9 if side is Side.LEFT else 1.0,  # seen where the other runs over it
         )
         for side, i in joints.joints
     )

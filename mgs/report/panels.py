@@ -1,4 +1,4 @@
-"""Small multiples: what to draw as plain data, so that studies need not know the plotting library."""
+"""Small multiples: what to draw as plain data, so that studies need no plotting library."""
 
 from __future__ import annotations
 
@@ -117,21 +117,29 @@ def draw_panels(
             axes.set_ylabel("")
     legend_above(figure, grid)
     if caption:
-        figure.text(0.995, 0.995, caption, ha="right", va="top", fontsize=TICK, color=FAINT)
+        figure.text(
+            0.995,
+            1.0 - 0.1 / figure.get_figheight(),
+            caption,
+            ha="right",
+            va="top",
+            fontsize=TICK,
+            color=FAINT,
+        )
     return figure
 
 
 def draw_panel(axes: Axes, panel: Panel) -> None:
     """One panel into given axes."""
-    style_axes(
-        axes, title=panel.title, note=panel.note, xlabel=panel.xlabel, ylabel=panel.ylabel
-    )
+    style_axes(axes, title=panel.title, note=panel.note, xlabel=panel.xlabel, ylabel=panel.ylabel)
     for shade in panel.shades:
+        until_next = shade.mask.copy()
+        until_next[1:] |= shade.mask[:-1]
         axes.fill_between(
             shade.x,
             0.0,
             1.0,
-            where=shade.mask.tolist(),
+            where=until_next.tolist(),
             step="post",
             transform=axes.get_xaxis_transform(),
             color=shade.colour,
@@ -178,4 +186,3 @@ def _scale(axes: Axes, panel: Panel) -> None:
         axes.set_ylim(panel.limits[0] - margin, panel.limits[1] + margin)
     if panel.ylim is not None:
         axes.set_ylim(*panel.ylim)
-

@@ -1,6 +1,7 @@
 """Proof that an engine has loaded the robot that Pinocchio knows.
 
-URDF importers drop, merge, weld or invent bodies in silence; a replay of another robot says nothing.
+URDF importers drop, merge, weld or invent bodies in silence; a replay of another robot proves
+nothing.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from mgs.errors import SimulationError
-from mgs.robot import Robot
+from mgs.robot import FLOATING_BASE_NV, Robot
 
 Array = NDArray[np.float64]
 
@@ -21,6 +22,7 @@ MASS_TOLERANCE = 1e-3  # [kg]
 LENGTH_TOLERANCE = 1e-3  # [m]
 ANGLE_TOLERANCE = 1e-3  # [rad]
 LIMIT_TOLERANCE = 1e-4  # [rad] and [N m]
+INERTIA_TOLERANCE = 0.01  # of the largest entry
 N_POSES = 3
 
 
@@ -31,6 +33,7 @@ class EngineModel:
     joints: dict[str, tuple[float, float, float]]  # lower, upper [rad], torque limit [N m] by name
     mass: float  # [kg]
     com: Array  # (3,) at the current state, world frame [m]
+    inertia: Array  # (n, n) in the space of `Robot.joint_names`, rotors left out [kg m^2]
     links: Array  # (1 + n, 7) poses of the base and of the links that `Robot.joint_names` move
 
 
@@ -48,7 +51,7 @@ def audit(engine: Inspected, robot: Robot, name: str) -> None:
     """Compare an engine's model with Pinocchio's at a few random poses.
 
     Raises:
-        SimulationError: joints, limits, mass, CoM or link frames differ; lists every difference.
+        SimulationError: joints, limits, mass, inertia, CoM or link frames differ; lists them all.
     """
     rng = np.random.default_rng(0)
     problems = _compare_figures(engine.inspect(), robot)
@@ -90,6 +93,10 @@ def _compare_pose(model: EngineModel, robot: Robot, q: Array) -> list[str]:
     data = robot.model.createData()
     com = pin.centerOfMass(robot.model, data, q)
     problems = []
+    inertia = pin.crba(robot.model, data, q)[FLOATING_BASE_NV:, FLOATING_BASE_NV:]
+    excess = np.abs(np.triu(model.inertia - inertia)).max() / np.abs(inertia).max()
+    if excess > INERTIA_TOLERANCE:
+        problems.append(f"inertia at the joints is {100 * excess:.1f} % off")
     if (offset := np.linalg.norm(model.com - com)) > LENGTH_TOLERANCE:
         problems.append(f"CoM is {1e3 * offset:.2f} mm off")
     for joint, pose in enumerate(model.links, start=1):

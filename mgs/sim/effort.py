@@ -43,9 +43,9 @@ class Effort:
     @property
     def rms(self) -> Array:
         """Root mean square over time (n,) [N m]."""
-        return np.sqrt(self._squares / max(self._n_steps, 1))
+        return np.asarray(np.sqrt(self._squares / max(self._n_steps, 1)), dtype=np.float64)
 
     @property
     def saturation(self) -> Array:
         """Longest time in a row at stall torque (n,) [s]."""
-        return self._longest * self._dt
+        return np.asarray(self._longest * self._dt, dtype=np.float64)

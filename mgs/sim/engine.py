@@ -42,7 +42,7 @@ class Settings:
 
 DEFAULTS: dict[EngineName, Settings] = {
     "pybullet": Settings(dt=0.001, iterations=50, position_gain=0.2, velocity_gain=1.0),
-    "mujoco": Settings(dt=0.0005, iterations=50, position_gain=100.0, velocity_gain=0.02),
+    "mujoco": Settings(dt=0.0005, iterations=50, position_gain=300.0, velocity_gain=0.02),
 }
 
 
@@ -67,7 +67,7 @@ class Engine(Protocol):
         """
 
     def read(self) -> Array:
-        """Current q (7 + n,)."""
+        """Current q (7 + n,); not finite once the simulation has diverged."""
 
     def inspect(self) -> EngineModel:
         """The robot as the engine understands it, at the current q."""

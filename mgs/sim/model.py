@@ -1,10 +1,11 @@
 """The robot as physics engines get it: a plain URDF written from Pinocchio's model.
 
 Written anew rather than passed on, because importers stumble over what robots' URDFs contain:
-frame-only links (PyBullet makes them 1 kg), fixed joints (PyBullet's own merging shifts the CoM) and
-mesh files. Pinocchio has merged fixed links already, so one link is left per moving joint, named
-after the joint that moves it. Contact shapes: of the feet the sole rectangle of robot.yaml as a flat
-box, of all other links their primitive shapes; meshes are left out and fall through the ground.
+frame-only links (PyBullet makes them 1 kg), fixed joints (PyBullet's own merging shifts the CoM)
+and mesh files. Pinocchio has merged fixed links already, so one link is left per moving joint,
+named after the joint that moves it. Contact shapes: of the feet the sole rectangle of robot.yaml as
+a flat box, of all other links their primitive shapes; meshes are left out and fall through the
+ground.
 """
 
 from __future__ import annotations

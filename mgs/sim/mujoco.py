@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 XYZW_FROM_WXYZ = [1, 2, 3, 0]
 WXYZ_FROM_XYZW = [3, 0, 1, 2]
 IMPRATIO = 10.0  # friction this much stiffer than the normal contact: soles do not creep
+CONTACT_TIME = 0.005  # [s] of MuJoCo's contact spring; 0.02 by default lets the robot tilt
+ROTOR_ACCELERATION = 1500.0  # [rad/s^2] at stall, of servos whose armature is not known
 GRAVITY = 9.81  # [m/s^2]
 
 
@@ -28,6 +30,9 @@ class MujocoEngine:
 
         self._mj: Any = mujoco
         self._robot, self._settings = robot, settings
+        self._former_handler = mujoco.get_mju_user_warning()
+        # MuJoCo would write MUJOCO_LOG.TXT where the user stands; `read` looks at its counters
+        mujoco.set_mju_user_warning(lambda _: None)
         self._model = self._compile()
         self._data = mujoco.MjData(self._model)
         self._angles = np.array([self._model.joint(name).qposadr[0] for name in robot.joint_names])
@@ -61,12 +66,14 @@ class MujocoEngine:
         return torques
 
     def _controls(self, position: Array, velocity: Array) -> Array:
-        # a position servo has no speed target: it enters as a shift of the position target, together
-        # with the way back to the beginning of the step, where MuJoCo evaluates the servo
+        # a position servo has no speed target: it enters as a shift of the position target,
+        # together with the way back to the beginning of the step, where MuJoCo evaluates servos
         return position + (self._settings.velocity_gain - self._settings.dt) * velocity
 
     def read(self) -> Array:
-        """Current q (7 + n,)."""
+        """Current q (7 + n,); NaN once the simulation has diverged."""
+        if self._data.warning.number.any():
+            return np.full(self._robot.model.nq, np.nan)
         qpos = self._data.qpos
         return np.concatenate([qpos[:3], qpos[3:7][XYZW_FROM_WXYZ], qpos[self._angles]])
 
@@ -82,11 +89,22 @@ class MujocoEngine:
             joints={h.name: (*h.range, stall[h.name]) for h in hinges},
             mass=float(model.body_mass.sum()),
             com=data.subtree_com[0].copy(),
+            inertia=self._inertia(),
             links=np.concatenate([data.xpos[self._bodies], quats], axis=1),
         )
 
+    def _inertia(self) -> Array:
+        """Joint-space inertia (n, n) less the armatures."""
+        columns = np.zeros((self._model.nv, self._model.nv))
+        for unit, column in zip(np.eye(self._model.nv), columns, strict=True):
+            self._mj.mj_mulM(self._model, self._data, column, unit)
+        joints = self._angles - 1  # the free joint has one velocity less than positions
+        armature = np.diag(self._model.dof_armature[joints])
+        return columns[np.ix_(joints, joints)] - armature
+
     def close(self) -> None:
-        """Nothing to free."""
+        """Give back the handler of warnings."""
+        self._mj.set_mju_user_warning(self._former_handler)
 
     def _compile(self) -> Any:
         mj, settings = self._mj, self._settings
@@ -102,12 +120,14 @@ class MujocoEngine:
         for geom in spec.geoms:  # the robot touches the ground, not itself
             geom.contype, geom.conaffinity = 1, 0
             geom.friction = [settings.friction, 0.0, 0.0]
+            geom.solref = [max(CONTACT_TIME, 2.0 * settings.dt), 1.0]
         spec.worldbody.add_geom(
             type=mj.mjtGeom.mjGEOM_PLANE,
             size=[0.0, 0.0, 1.0],
             contype=0,
             conaffinity=1,
             friction=[settings.friction, 0.0, 0.0],  # a pair has the larger one
+            solref=[max(CONTACT_TIME, 2.0 * settings.dt), 1.0],  # a pair has the mean
         )
         for i in range(self._robot.n):
             self._add_servo(spec, i)
@@ -116,8 +136,9 @@ class MujocoEngine:
     def _add_servo(self, spec: Any, i: int) -> None:
         robot, settings = self._robot, self._settings
         joint = spec.joint(robot.joint_names[i])
-        joint.armature = float(robot.armature[i])
         stall = float(robot.torque_limit[i])
+        # MuJoCo's contacts give way in proportion to 1 / inertia: feet without rotor inertia creep
+        joint.armature = float(robot.armature[i]) or stall / ROTOR_ACCELERATION
         kp = stall * settings.position_gain
         actuator = spec.add_actuator(
             name=joint.name,
@@ -126,4 +147,6 @@ class MujocoEngine:
             forcelimited=True,
             forcerange=[-stall, stall],
         )
-        actuator.set_to_position(kp=kp, kv=kp * settings.velocity_gain)
+        actuator.gainprm[0] = kp
+        actuator.biastype = self._mj.mjtBias.mjBIAS_AFFINE
+        actuator.biasprm[:3] = [0.0, -kp, -kp * settings.velocity_gain]

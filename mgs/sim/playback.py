@@ -1,8 +1,8 @@
 """Playing a motion to an engine, open loop.
 
-The robot is put down on its soles in its first posture and settles there; then its servos follow the
-plan, interpolated between samples by cubics that meet positions and velocities; then they hold the
-last posture for a while. Nothing that happens is fed back to the targets.
+The robot is put down on its soles in its first posture and settles there; then its servos follow
+the plan, interpolated between samples by cubics that meet positions and velocities; then they hold
+the last posture for a while. Nothing that happens is fed back to the targets.
 """
 
 from __future__ import annotations
@@ -107,8 +107,9 @@ def is_down(robot: Robot, q: Array, q_plan: Array) -> bool:
 
 
 def fallen(up: Array, up_plan: Array, height: Array, height_plan: Array) -> NDArray[np.bool_]:
-    """Where (...) the torso's vertical (..., 3) or the base's height (...) [m] has left the plan."""
-    return (angle_between(up, up_plan) > FALL_TILT) | (height < FALL_HEIGHT * height_plan)
+    """Where (...) the torso's vertical (..., 3) or the base's height (...) [m] gave up the plan."""
+    down = (angle_between(up, up_plan) > FALL_TILT) | (height < FALL_HEIGHT * height_plan)
+    return np.asarray(down)
 
 
 def poses_along(robot: Robot, q: Array) -> tuple[Array, Array]:

@@ -13,22 +13,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mgs.robot import FLOATING_BASE_NQ, Robot
+from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
 from mgs.sim.audit import EngineModel
 from mgs.sim.engine import Settings
 from mgs.sim.model import simulation_urdf
 
 Array = NDArray[np.float64]
-GROUND = (50.0, 50.0, 0.5)  # half extents of the ground [m]
 BASE = -1  # PyBullet's index of the base link
 GRAVITY = 9.81  # [m/s^2]
 
 
 class PybulletEngine:
-    """One robot on a box for ground, in a DIRECT client of its own.
+    """One robot on a plane, in a DIRECT client of its own.
 
-    The ground is a box, because PyBullet finds all four corners of a flat sole on it at once; on its
-    plane shape it collects them over several steps.
+    PyBullet has no rotor inertia: `Robot.armature` is left out here, unlike in MuJoCo.
     """
 
     def __init__(self, robot: Robot, settings: Settings) -> None:
@@ -104,8 +102,17 @@ class PybulletEngine:
             joints={info[1].decode(): (info[8], info[9], info[10]) for info in infos},
             mass=float(mass),
             com=masses @ coms / masses.sum(),
+            inertia=self._inertia(),
             links=np.array([self._base_pose(), *([*state[4], *state[5]] for state in states)]),
         )
+
+    def _inertia(self) -> Array:
+        """Joint-space inertia (n, n); PyBullet's own order is by joint index."""
+        angles = self.read()[FLOATING_BASE_NQ:]
+        by_index = angles[np.argsort(self._joints)].tolist()
+        full = self._p.calculateMassMatrix(self._body, by_index, physicsClientId=self._client)
+        joints = FLOATING_BASE_NV + np.array(self._joints)
+        return np.array(full)[np.ix_(joints, joints)]
 
     def close(self) -> None:
         """Disconnect."""
@@ -129,10 +136,8 @@ class PybulletEngine:
 
     def _add_ground(self) -> None:
         p, client = self._p, self._client
-        shape = p.createCollisionShape(p.GEOM_BOX, halfExtents=GROUND, physicsClientId=client)
-        ground = p.createMultiBody(
-            0.0, shape, basePosition=[0.0, 0.0, -GROUND[2]], physicsClientId=client
-        )
+        shape = p.createCollisionShape(p.GEOM_PLANE, physicsClientId=client)
+        ground = p.createMultiBody(0.0, shape, physicsClientId=client)
         # the friction of a pair is the product: all of it is in the robot's links
         p.changeDynamics(ground, BASE, lateralFriction=1.0, restitution=0.0, physicsClientId=client)
 
@@ -141,12 +146,9 @@ class PybulletEngine:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "robot.urdf"
             path.write_text(simulation_urdf(self._robot), encoding="utf-8")
-            # without the flag inertias are made up from the shapes; MERGE_FIXED_LINKS shifts the CoM
-            return int(
-                p.loadURDF(
-                    str(path), flags=p.URDF_USE_INERTIA_FROM_FILE, physicsClientId=self._client
-                )
-            )
+            # without the flag inertias are made up from the contact shapes
+            flags = p.URDF_USE_INERTIA_FROM_FILE
+            return int(p.loadURDF(str(path), flags=flags, physicsClientId=self._client))
 
     def _joint_indices(self) -> list[int]:
         p, client = self._p, self._client

@@ -1,11 +1,11 @@
 """Open-loop replay of a motion in physics, measured against the plan.
 
-Definitions. Distances are displacements of the midpoint between the soles, from the settled start to
-the end of the tail; yaw errors likewise, of the mean heading of the soles. Tilt is the angle between
-the vertical as the simulated torso sees it and as the planned torso sees it at the same time: a turn
-about the vertical is no tilt. A robot has fallen where that angle exceeds 45 deg or its base is below
-60 % of its planned height. Slip is the horizontal displacement of a sole within one of its support
-phases in the plan.
+Distances are displacements of the midpoint between the soles, from the settled start to the end of
+the tail; yaw errors likewise, of the mean heading of the soles. Tilt is the angle between the
+vertical as the simulated torso sees it and as the planned torso sees it at the same time: a turn
+about the vertical is no tilt. A robot has fallen where that angle exceeds 45 deg or its base is
+below 60 % of its planned height. Slip is the horizontal displacement of a sole within one of its
+support phases in the plan.
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ def _figures(motion: Motion, recording: Recording) -> dict[str, Any]:
     _, up_plan = poses_along(motion.robot, q_plan)
     down = np.flatnonzero(fallen(up, up_plan, q[:, 2], q_plan[:, 2]))
     fall = int(down[0]) if len(down) else None
-    t = np.arange(len(q)) * motion.dt
+    t = np.arange(len(q), dtype=np.float64) * motion.dt
     tilt = angle_between(up, up_plan)
     return {
         "fell": fall is not None,

@@ -1,0 +1,46 @@
+# make demo   a venv, a 5 cm walk, the verdict on it in every physics engine present, and plots
+# make test   style, types and the test suite (the longest physics runs left out)
+# make test-all, make bench, make docs-figures, make clean
+
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+VENV := .venv
+BIN := $(VENV)/bin
+DEMO := outputs/demo
+
+.PHONY: demo test test-all lint bench docs-figures clean
+
+demo: $(VENV)/.mgs
+	@mkdir -p $(DEMO)
+	$(BIN)/mgs generate melson/walk_5cm -o $(DEMO)/walk_5cm.mcap --force
+	$(BIN)/mgs validate $(DEMO)/walk_5cm.mcap
+	$(BIN)/mgs plot $(DEMO)/walk_5cm.mcap -o $(DEMO)/plots --force
+	@echo "motion: $(DEMO)/walk_5cm.mcap   plots: $(DEMO)/plots"
+
+test: lint
+	$(BIN)/python -m pytest -q -m "not slow"
+
+test-all: lint
+	$(BIN)/python -m pytest -q
+
+lint: $(VENV)/.dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+bench: $(VENV)/.mgs
+	$(BIN)/python benchmarks/run.py
+
+docs-figures: $(VENV)/.mgs
+	$(BIN)/python -m mgs.report.strip docs/walk.png
+
+$(VENV)/.mgs: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
+	@touch $@
+
+$(VENV)/.dev: $(VENV)/.mgs
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
+	@touch $@
+
+clean:
+	rm -rf $(VENV) build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -1,0 +1,35 @@
+"""Gravity torques of a robot that stands on one sole, along a motion.
+
+Melson paper, eq. (24): tau = -J_com^T M g in the tree rooted at the support sole. In double support
+the legs close a loop and the torques are not unique.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from mgs.contact import Side, Support
+from mgs.ik_solver.tree_tasks import TreeTasks
+from mgs.pipeline import Stages
+from mgs.robot import Robot
+
+Array = NDArray[np.float64]
+
+
+def gravity_torques(robot: Robot, stages: Stages) -> Array:
+    """Gravity torques (N, n) [N m] in the order of `Robot.joint_names`; NaN in double support."""
+    tasks, angles = stages.tasks, stages.joints.angles
+    torques = np.full(angles.shape, np.nan)
+    for side in Side:
+        tree = TreeTasks(robot, side)
+        for k in np.flatnonzero(tasks.support == Support.single(side)):
+            tree.place(pin.XYZQUATToSE3(tasks.soles[k, side]))
+            torques[k, tree.order] = tree.gravity(angles[k, tree.order])[0]
+    return torques
+
+
+def gravity_cost(torques: Array) -> Array:
+    """H_grav = 1/2 tau^T tau, (N,) [(N m)^2], of torques (N, n); NaN where they are."""
+    return np.asarray(0.5 * np.sum(torques**2, axis=1))

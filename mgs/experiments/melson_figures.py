@@ -1,0 +1,118 @@
+"""Figures of the Melson experiments, after figures 3 to 10 of the paper; see `melson`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from mgs.contact import Side, Support
+from mgs.experiments.melson_runs import DRIFT_JOINT, Study, angle_of, drift_series
+from mgs.report.canvas import BLACK, SKY, VERMILION, Figure, figure_paths, save_figures
+from mgs.report.panels import Line, Panel, draw_panels, shade_single_support
+from mgs.report.poses import Pose, plot_poses
+from mgs.report.robot_drawing import FRONT, RIGHT_SIDE
+
+JOINTS = ("hip_roll", "knee_pitch", "ankle_roll")
+NAMES = (*JOINTS, "scenario_poses", "drift", "drift_poses")
+LOOKS = {"S1": (BLACK, "--"), "S2": (SKY, "-"), "S3": (VERMILION, "-")}  # colour, line style
+DRIFT_LOOKS = {"gamma_joint 0": (VERMILION, "-", "o"), "gamma_joint 1": (BLACK, "-", "s")}
+
+
+def refuse_existing(folder: Path, *, force: bool) -> None:
+    """Raise OutputExistsError if a figure is in the way and `force` is not set."""
+    figure_paths(folder, NAMES, "png", force=force)
+
+
+def write_figures(study: Study, folder: Path, *, force: bool) -> list[Path]:
+    """Draw everything into a folder."""
+    figures = {joint: plot_joint(study, joint) for joint in JOINTS}
+    figures["scenario_poses"] = plot_scenario_poses(study)
+    figures["drift"] = plot_drift(study)
+    figures["drift_poses"] = plot_drift_poses(study)
+    return save_figures(figures, folder, force=force)
+
+
+def plot_joint(study: Study, joint: str) -> Figure:
+    """Gravity torque and angle of a joint of the left leg in the three scenarios."""
+    tasks = study.scenarios["S1"].tasks
+    t = study.scenarios["S1"].motion.times
+    shades = shade_single_support(t, tasks.support)
+    i = study.robot.joint_names.index(f"left_{joint}")
+
+    def lines(series: dict[str, np.ndarray]) -> tuple[Line, ...]:
+        return tuple(Line(t, y, _label(study, name), *LOOKS[name]) for name, y in series.items())
+
+    torques = {name: torque[:, i] for name, torque in study.torques.items()}
+    title = f"left {joint.replace('_', ' ')}"
+    panels = [
+        Panel(lines(torques), "torque [N m]", f"{title}: gravity torque", shades=shades),
+        Panel(lines(angle_of(study, joint)), "angle [deg]", f"{title}: angle", shades=shades),
+    ]
+    return draw_panels(panels, height=2.4)
+
+
+def _label(study: Study, name: str) -> str:
+    solver = study.scenarios[name].motion.solver
+    return f"{name}: gamma_joint {solver['gamma_joint']:g}, gamma_grav {solver['gamma_grav']:g}"
+
+
+def plot_scenario_poses(study: Study) -> Figure:
+    """Each scenario halfway through either single support, from the side and from the front."""
+    support = study.scenarios["S1"].tasks.support
+    poses = []
+    for view in (RIGHT_SIDE, FRONT):
+        for side in Side:
+            sample = int(np.median(np.flatnonzero(support == Support.single(side))))
+            for name, stages in study.scenarios.items():
+                title = f"{name}, {side.label} SSP" if view is RIGHT_SIDE else ""
+                poses.append(Pose(stages.motion.q[sample], view, title))
+    return plot_poses(study.robot, poses, columns=6, rows=("from the right", "from the front"))
+
+
+def plot_drift(study: Study) -> Figure:
+    """The drifting joint over the whole walk, and at equal phases of it."""
+    i = study.robot.joint_names.index(DRIFT_JOINT)
+    traces, samples = [], []
+    for name, stages in study.drift.items():
+        colour, style, marker = DRIFT_LOOKS[name]
+        angles = np.degrees(stages.joints.angles[:, i])
+        traces.append(Line(stages.motion.times, angles, name, colour, style, width=1.0))
+        series = drift_series(study)[name]
+        steps = np.arange(len(series)) * 2.0
+        samples.append(Line(steps, series, name, colour, style, marker=marker))
+    title = DRIFT_JOINT.replace("_", " ")
+    settled = samples[-1].y[1:]
+    bounds = np.concatenate([line.y[1:] for line in samples])
+    margin = 0.15 * float(np.ptp(bounds))
+    return draw_panels(
+        [
+            Panel(tuple(traces), "angle [deg]", f"{title} over the whole walk"),
+            Panel(
+                tuple(samples),
+                "angle [deg]",
+                f"{title} where a left single support begins",
+                note=f"gamma_joint 1 settles at {settled[-1]:.2f} deg; the first sample lies above",
+                xlabel="steps taken",
+                ylim=(float(bounds.min()) - margin, float(bounds.max()) + margin),
+            ),
+        ],
+        height=2.5,
+    )
+
+
+def plot_drift_poses(study: Study) -> Figure:
+    """First and last pose of the long walk for both gains, as in figure 9 of the paper."""
+    poses = [
+        Pose(
+            stages.motion.q[-1],
+            view,
+            name,
+            "from the front" if view is FRONT else "from the right",
+            ghost=stages.motion.q[0],
+        )
+        for name, stages in study.drift.items()
+        for view in (FRONT, RIGHT_SIDE)
+    ]
+    caption = "last pose after 30 steps; dashed: first pose"
+    return plot_poses(study.robot, poses, columns=4, caption=caption)

@@ -1,0 +1,121 @@
+"""The runs of the Melson experiments, and what is measured on them; see `melson`."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mgs.contact import Side, Support
+from mgs.experiments.claim import Progress
+from mgs.experiments.gravity import gravity_torques
+from mgs.gait import load_gait
+from mgs.geometry import rotation_angles
+from mgs.pipeline import Stages, generate
+from mgs.robot import Robot, load_robot
+
+Array = NDArray[np.float64]
+
+WALK, LONG_WALK = "melson/walk_5cm", "melson/walk_30_steps"
+SCENARIOS = {"S1": (0.0, 0.0), "S2": (1.0, 0.0), "S3": (0.35, 1.6)}  # gamma_joint, gamma_grav
+DRIFT_RUNS = {"gamma_joint 0": (0.0, 0.0), "gamma_joint 1": (1.0, 0.0)}
+DRIFT_JOINT = "right_hip_roll"
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """All runs, and the gravity torques (N, n) [N m] of the scenarios."""
+
+    robot: Robot
+    scenarios: dict[str, Stages]
+    torques: dict[str, Array]
+    drift: dict[str, Stages]
+
+
+def solve(progress: Progress | None = None) -> Study:
+    """Generate every run."""
+    robot = load_robot("melson")
+    jobs = [(WALK, name, gains) for name, gains in SCENARIOS.items()]
+    jobs += [(LONG_WALK, name, gains) for name, gains in DRIFT_RUNS.items()]
+    done: dict[str, Stages] = {}
+    for i, (gait, name, (gamma_joint, gamma_grav)) in enumerate(jobs):
+        settings = (
+            f"ik.gamma_joint={gamma_joint}",
+            f"ik.gamma_grav={gamma_grav}",
+            "ik.iterations=0",
+        )
+        done[name] = generate(robot, load_gait(gait, settings), gait)
+        if progress is not None:
+            progress(i + 1, len(jobs))
+    scenarios = {name: done[name] for name in SCENARIOS}
+    torques = {name: gravity_torques(robot, stages) for name, stages in scenarios.items()}
+    return Study(robot, scenarios, torques, {name: done[name] for name in DRIFT_RUNS})
+
+
+def is_same_task(a: Stages, b: Stages) -> bool:
+    """Whether two runs were asked for the same, bit for bit."""
+    products = ((a.tasks, b.tasks), (a.com, b.com))
+    return all(
+        np.array_equal(getattr(x, field.name), getattr(y, field.name))
+        for x, y in products
+        for field in dataclasses.fields(x)
+    )
+
+
+def tracking_errors(stages: Stages) -> tuple[float, float]:
+    """Worst distance of soles, hands and CoM [m] and worst rotation of a sole [rad] from the tasks.
+
+    Computed from the floating-base model, which the IK does not use.
+    """
+    motion = stages.motion
+    gaps = [
+        motion.soles[..., :3] - motion.soles_ref[..., :3],
+        motion.hands[..., :3] - motion.hands_ref,
+        motion.com - motion.com_ref,
+    ]
+    turns = rotation_angles(motion.soles[..., 3:], motion.soles_ref[..., 3:])
+    return max(float(np.linalg.norm(gap, axis=-1).max()) for gap in gaps), float(turns.max())
+
+
+def single_support(study: Study, side: Side) -> NDArray[np.bool_]:
+    """Samples (N,) of the scenarios in single support on one side."""
+    return study.scenarios["S1"].tasks.support == Support.single(side)
+
+
+def peak(values: Array) -> float:
+    """Largest magnitude."""
+    return float(np.abs(values).max())
+
+
+def rms(values: Array) -> float:
+    """Root of the mean square."""
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def torque_of(study: Study, side: Side, joint: str) -> dict[str, Array]:
+    """Gravity torque (m,) [N m] by scenario of a joint of the support leg in its single support."""
+    i = study.robot.joint_names.index(f"{side.label}_{joint}")
+    window = single_support(study, side)
+    return {name: torques[window, i] for name, torques in study.torques.items()}
+
+
+def angle_of(study: Study, joint: str) -> dict[str, Array]:
+    """Angle (N,) [deg] by scenario of a joint of the left leg over the whole motion."""
+    i = study.robot.joint_names.index(f"left_{joint}")
+    return {name: np.degrees(s.joints.angles[:, i]) for name, s in study.scenarios.items()}
+
+
+def drift_series(study: Study) -> dict[str, Array]:
+    """Angle [deg] by gain of the drifting joint wherever a left single support begins.
+
+    One sample every two steps, at equal phases of the walk: (n_steps / 2,).
+    """
+    i = study.robot.joint_names.index(DRIFT_JOINT)
+    series = {}
+    for name, stages in study.drift.items():
+        left = stages.tasks.support == Support.LEFT
+        starts = np.flatnonzero(left[1:] & ~left[:-1]) + 1
+        series[name] = np.degrees(stages.joints.angles[starts, i])
+    return series

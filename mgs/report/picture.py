@@ -1,0 +1,110 @@
+"""One wide picture of a walk for a newcomer: the robot at some instants, and its tracks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from mgs.contact import Support
+from mgs.motion import Motion
+from mgs.report.balance import support_spans
+from mgs.report.canvas import (
+    FAINT,
+    GREEN,
+    INK,
+    PURPLE,
+    TICK,
+    legend_above,
+    new_figure,
+    save_figures,
+)
+from mgs.report.ground import draw_above, footstep_corners
+from mgs.report.robot_drawing import box_corners, draw_robot, view_from
+
+Array = NDArray[np.float64]
+WIDTH = 9.2  # [inch]
+VIEW = view_from(-58.0, 14.0)  # from the right and front: the robot walks to the right
+N_POSES = 8
+SPACING, OVERHANG, CAPTION = 1.0, 0.58, 0.4  # of the CoM's height, around the robots
+
+
+def picture_strip(motion: Motion, n_poses: int = N_POSES) -> Figure:
+    """Robot at rest, in the middle of its first steps and at rest again; below, all from above."""
+    spans = np.ptp(np.concatenate(list(footstep_corners(motion).values())), axis=(0, 1))
+    ground_height = float(np.clip((WIDTH - 1.0) * spans[1] / spans[0], 1.2, 4.0)) + 0.7
+    samples = pose_samples(motion, n_poses)
+    unit = float(motion.com[0, 2])
+    width = ((len(samples) - 1) * SPACING + 2 * OVERHANG) * unit
+    top = 1.08 * float(VIEW.project(_highest_point(motion))[1])
+    strip_height = WIDTH * (top + CAPTION * unit) / width
+    figure = new_figure(WIDTH, strip_height + ground_height + 0.35)
+    strip, ground = figure.subplots(2, 1, height_ratios=[strip_height, ground_height])
+    _draw_strip(strip, motion, samples, SPACING * unit)
+    strip.set(xlim=(-OVERHANG * unit, width - OVERHANG * unit), ylim=(-CAPTION * unit, top))
+    draw_above(ground, motion)
+    ground.set_title("from above", loc="left", fontsize=TICK, color=FAINT)
+    legend_above(figure, [ground])
+    return figure
+
+
+def write_picture(motion: Motion, path: Path, *, force: bool = False) -> Path:
+    """Write `picture_strip` as a small PNG; see `save_figures` for the errors."""
+    figures = {path.stem: picture_strip(motion)}
+    return save_figures(figures, path.parent, force=force, few_colours=True)[0]
+
+
+def _highest_point(motion: Motion) -> Array:
+    """Top of the robot (3,) at rest [m]."""
+    corners = box_corners(motion.robot, motion.q[0]).reshape(-1, 3)
+    return np.asarray(corners[np.argmax(corners @ VIEW.up)])
+
+
+def pose_samples(motion: Motion, n_poses: int) -> list[int]:
+    """First and last sample and, between them, the middles of the first single supports."""
+    middles = [
+        (start + end) // 2
+        for start, end in support_spans(motion)
+        if motion.support[start] != Support.DOUBLE
+    ]
+    return [0, *middles[: max(n_poses - 2, 0)], motion.n_samples - 1]
+
+
+def _draw_strip(axes: Axes, motion: Motion, samples: list[int], spacing: float) -> None:
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    for i, sample in enumerate(samples):
+        centre = motion.soles[sample, :, :3].mean(axis=0) * [1.0, 1.0, 0.0]
+        x, y = VIEW.project(centre)
+        offset = np.array([i * spacing - x, -y])
+        _draw_points(axes, motion, sample, offset)
+        draw_robot(axes, motion.robot, motion.q[sample], VIEW, offset=(offset[0], offset[1]))
+        _caption(axes, motion, sample, i * spacing)
+
+
+def _draw_points(axes: Axes, motion: Motion, sample: int, offset: Array) -> None:
+    """ZMP, and CoM joined to the ground, in front of the robot."""
+    com, zmp = motion.com[sample], np.append(motion.zmp[sample], 0.0)
+    ends = VIEW.project([com, com * [1.0, 1.0, 0.0]]) + offset
+    axes.plot(*ends.T, color=PURPLE, linewidth=1.0, linestyle=":", zorder=4.0)
+    for point, colour in ((com, PURPLE), (zmp, GREEN)):
+        axes.plot(
+            *(VIEW.project(point) + offset),
+            marker="o",
+            markersize=6,
+            color=colour,
+            markeredgecolor="white",
+            markeredgewidth=0.9,
+            zorder=5.0,
+        )
+
+
+def _caption(axes: Axes, motion: Motion, sample: int, x: float) -> None:
+    support = Support(motion.support[sample])
+    what = "both soles" if support is Support.DOUBLE else f"{support.label} sole"
+    unit = float(motion.com[0, 2])
+    for y, text, colour in ((-0.25, f"{sample * motion.dt:.1f} s", INK), (-0.36, what, FAINT)):
+        axes.text(x, y * unit, text, ha="center", va="center", fontsize=TICK, color=colour)

@@ -1,0 +1,151 @@
+"""The robot drawn from its collision boxes, in parallel projection.
+
+Every box shows the faces that look at the viewer, farther ones first. Shapes other than boxes are
+drawn as the boxes around them.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgb
+from numpy.typing import ArrayLike, NDArray
+
+from mgs.contact import Side
+from mgs.report.canvas import SIDE_COLOURS
+from mgs.robot import Robot
+
+Array = NDArray[np.float64]
+TRUNK_COLOUR, GHOST_COLOUR = "0.72", "0.6"
+CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])  # of a unit box
+# corners of each face, counter-clockwise seen from outside
+FACES = np.array(
+    [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+)
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """Parallel projection: unit vectors in the world that are right, up and towards the viewer."""
+
+    right: Array
+    up: Array
+    towards: Array
+
+    def project(self, points: ArrayLike) -> Array:
+        """Picture coordinates (..., 2) [m] of points (..., 3) in the world."""
+        points = np.asarray(points, dtype=float)
+        return np.stack([points @ self.right, points @ self.up], axis=-1)
+
+
+def view_from(azimuth_deg: float, elevation_deg: float) -> View:
+    """View from a direction: azimuth 0 looks from the front (+x), 90 from the left (+y)."""
+    azimuth, elevation = np.radians([azimuth_deg, elevation_deg])
+    flat = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
+    towards = np.cos(elevation) * flat + np.array([0.0, 0.0, np.sin(elevation)])
+    right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
+    return View(right, np.cross(towards, right), towards)
+
+
+FRONT = view_from(0.0, 0.0)
+RIGHT_SIDE = view_from(-90.0, 0.0)  # walks to the right of the picture
+
+
+def draw_robot(
+    axes: Axes,
+    robot: Robot,
+    q: Array,
+    view: View,
+    *,
+    offset: tuple[float, float] = (0.0, 0.0),
+    ghost: bool = False,
+    zorder: float = 3.0,
+) -> None:
+    """The robot at q (7 + n,).
+
+    Args:
+        axes: where to draw; its units are metres.
+        robot: the robot.
+        q: configuration.
+        view: projection.
+        offset: added to picture coordinates [m].
+        ghost: outlines only, for a pose to compare with.
+        zorder: drawing order among other artists.
+    """
+    faces = box_corners(robot, q)[:, FACES]  # (b, 6, 4, 3)
+    normals = _normals(faces)
+    visible = (normals @ view.towards) > 1e-9
+    order = np.argsort((faces @ view.towards).mean(axis=-1)[visible])
+    outlines = (view.project(faces)[visible] + np.asarray(offset))[order]
+    light = 0.62 + 0.38 * np.abs(normals @ _light(view))
+    colours = (light[..., None] * _colours(robot)[:, None])[visible][order]
+    axes.add_collection(
+        PolyCollection(
+            list(outlines),
+            facecolor="none" if ghost else colours,
+            edgecolor=GHOST_COLOUR if ghost else 0.6 * colours,
+            linewidth=0.5 if ghost else 0.35,
+            linestyle="--" if ghost else "-",
+            zorder=zorder,
+        )
+    )
+
+
+def _light(view: View) -> Array:
+    direction = view.towards + 0.9 * view.up + 0.35 * view.right
+    return direction / np.linalg.norm(direction)
+
+
+def box_corners(robot: Robot, q: Array) -> Array:
+    """Corners (b, 8, 3) in the world of the boxes of a robot at q (7 + n,) [m]."""
+    geometry = robot.geometry
+    data, placements = robot.model.createData(), geometry.createData()
+    pin.updateGeometryPlacements(robot.model, data, geometry, placements, q)
+    R = np.stack([T.rotation for T in placements.oMg])
+    origin = np.stack([T.translation for T in placements.oMg])
+    return np.asarray(origin[:, None] + np.einsum("bij,bcj->bci", R, _local_corners(robot)))
+
+
+def _normals(faces: Array) -> Array:
+    """Outward unit normals (b, 6, 3) of faces (b, 6, 4, 3)."""
+    normals = np.cross(faces[..., 1, :] - faces[..., 0, :], faces[..., 3, :] - faces[..., 0, :])
+    return np.asarray(normals / np.linalg.norm(normals, axis=-1, keepdims=True))
+
+
+@functools.lru_cache(maxsize=8)
+def _local_corners(robot: Robot) -> Array:
+    """Corners (b, 8, 3) of every shape's box, in the frame of the shape [m]."""
+    corners = []
+    for item in robot.geometry.geometryObjects:
+        item.geometry.computeLocalAABB()
+        box = item.geometry.aabb_local
+        low, high = np.ravel(box.min_), np.ravel(box.max_)
+        corners.append(low + CORNERS * (high - low))
+    return np.array(corners)
+
+
+@functools.lru_cache(maxsize=8)
+def _colours(robot: Robot) -> Array:
+    """Colour (b, 3) of every shape: those of the left and of the right limbs, and the trunk's."""
+    colours = []
+    limbs = {side: _limb_joints(robot, side) for side in Side}
+    for item in robot.geometry.geometryObjects:
+        side = next((s for s in Side if item.parentJoint in limbs[s]), None)
+        colours.append(to_rgb(TRUNK_COLOUR if side is None else SIDE_COLOURS[side]))
+    return np.array(colours)
+
+
+def _limb_joints(robot: Robot, side: Side) -> set[int]:
+    """Joints that move a sole or hand of this side and none of the other."""
+
+    def moving(which: Side) -> set[int]:
+        frames = (robot.sole_frames[which], robot.hand_frames[which])
+        ends = [robot.model.frames[frame].parentJoint for frame in frames]
+        return {int(joint) for end in ends for joint in robot.model.supports[end]}
+
+    return moving(side) - moving(side.other)

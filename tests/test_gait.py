@@ -1,0 +1,102 @@
+"""Gait files: what they hold, what ships, and values that do not fit each other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import given
+
+from mgs.errors import ConfigError
+from mgs.gait import MAX_SAMPLES, find_gait, list_gaits, load_gait, parse_gait, shipped_folder
+from tests.strategies import legal_gaits, walk_gait
+
+NAMES = ["melson/walk_5cm", "melson/walk_30_steps", "melson/walk_practical", "melson/walk_fastest"]
+
+
+@given(legal_gaits())
+def test_a_gait_written_and_read_back_is_the_same(gait):
+    assert parse_gait(gait.to_yaml(), "resolved") == gait
+
+
+def test_a_written_gait_holds_every_default():
+    tree = yaml.safe_load(walk_gait().to_yaml())
+    assert list(tree) == ["mgs", "robot", "motion", "dt", "walk", "com", "ik"]
+    for block in ("walk", "com", "ik"):
+        assert set(tree[block]) == set(walk_gait().model_dump()[block])
+
+
+def test_the_gaits_of_the_paper_ship():
+    assert set(NAMES) <= set(list_gaits())
+
+
+@pytest.mark.parametrize("name", list_gaits())
+def test_every_shipped_gait_loads_by_name_and_by_path(name: str):
+    assert load_gait(name) == load_gait(shipped_folder("gaits") / f"{name}.yaml")
+    assert find_gait(name).is_absolute()
+
+
+def test_a_file_of_the_user_hides_a_shipped_gait_of_the_same_name(tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("mine.yaml").write_text("mgs: 1\nmotion: walk\nwalk: {n_steps: 7}")
+    assert load_gait("mine.yaml").walk.n_steps == 7
+
+
+def test_gait_names_do_not_lead_out_of_the_shipped_folder():
+    outside = shipped_folder("gaits").parent / "robots" / "melson" / "robot"
+    assert outside.with_suffix(".yaml").is_file()
+    with pytest.raises(ConfigError, match="no gait of that name"):
+        find_gait("../robots/melson/robot")
+
+
+def test_walk_5cm_is_scenario_s3_of_the_paper():
+    gait = load_gait("melson/walk_5cm")
+    walk, ik = gait.walk, gait.ik
+    assert (walk.n_steps, walk.step_length, walk.first_support) == (2, 0.05, "left")
+    assert (gait.dt, ik.gamma_joint, ik.gamma_grav, ik.gamma_grav_ramp) == (0.01, 0.35, 1.6, 0.2)
+    steps = walk.n_steps * (walk.double_support + walk.single_support) + walk.double_support
+    assert walk.lead_in + steps + walk.lead_out == pytest.approx(12.0)
+
+
+def test_walk_practical_takes_4_cm_in_at_most_0_8_s():
+    walk = load_gait("melson/walk_practical").walk
+    assert walk.step_length >= 0.04
+    assert walk.single_support + walk.double_support <= 0.8
+
+
+# --- values that do not fit each other -------------------------------------------------------
+
+
+def refusal(**blocks: object) -> str:
+    tree = {"mgs": 1, "motion": "walk", "walk": {"n_steps": 2}} | blocks
+    with pytest.raises(ConfigError) as caught:
+        parse_gait(yaml.safe_dump(tree), "a.yaml")
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("key", ["lead_in", "lead_out"])
+def test_a_rest_shorter_than_the_preview_is_refused(key: str):
+    message = refusal(walk={"n_steps": 2, key: 1.0})
+    assert f"walk.{key} = 1 s is shorter than the preview window com.preview = 1.6 s" in message
+    rests = {"lead_in": 9.0, "lead_out": 9.0, key: 8.0}
+    message = refusal(com={"preview": 8.01}, walk={"n_steps": 2, **rests})
+    assert f"walk.{key} = 8 s is shorter" in message
+
+
+def test_a_rest_as_long_as_the_preview_is_enough():
+    gait = walk_gait(lead_in=0.7, lead_out=0.7, com={"preview": 0.7})
+    assert parse_gait(gait.to_yaml(), "a.yaml") == gait
+
+
+def test_more_samples_than_fit_into_memory_are_refused_with_the_remedy():
+    message = refusal(dt=1e-4, walk={"n_steps": 400, "single_support": 0.5})
+    assert f"{MAX_SAMPLES:g} allowed" in message
+    assert "walk.n_steps" in message
+    assert walk_gait(dt=1e-4, n_steps=250).walk.n_steps == 250  # 1.8e6 samples
+
+
+def test_a_single_step_that_would_go_somewhere_is_refused():
+    for key in ("step_length", "lateral", "step_yaw"):
+        assert "walk: n_steps = 1" in refusal(walk={"n_steps": 1, key: 0.01})
+    assert walk_gait(n_steps=1).walk.n_steps == 1
