@@ -189,7 +189,7 @@ def test_the_hull_is_the_one_of_qhull(seed):
 
 @given(st.lists(st.tuples(st.integers(-3, 3), st.integers(-3, 3)), min_size=1, max_size=25))
 def test_a_hull_has_only_true_corners_and_holds_every_point(points):
-    """Small whole numbers, so that collinear and repeated points abound and cross products are exact."""
+    """Small whole numbers: collinear and repeated points abound, cross products are exact."""
     hull = convex_hull(points)
     if np.linalg.matrix_rank(np.subtract(points, points[0])) < 2:
         assert len(hull) <= 2

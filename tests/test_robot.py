@@ -145,7 +145,7 @@ def test_the_posture_lies_within_the_limits_with_room(melson: Robot):
 
 
 def test_in_the_posture_both_soles_lie_flat_on_the_ground(any_robot: Robot):
-    """Melson's both; of a robot with random legs at least the middle of the soles is at the origin."""
+    """On random legs at least the left sole lies flat and the origin between the two."""
     data = any_robot.model.createData()
     pin.framesForwardKinematics(any_robot.model, data, any_robot.standing_q)
     left, right = (data.oMf[frame] for frame in any_robot.sole_frames)
@@ -401,9 +401,9 @@ def test_robots_are_found_by_name_by_folder_and_by_file(tmp_path: Path):
     assert "melson" in list_robots()
     for path in ("melson", FOLDER, FOLDER / "robot.yaml"):
         assert load_robot(path).spec.name == "melson"
-    with pytest.raises(ConfigError, match="shipped: .*melson"):
+    with pytest.raises(ConfigError, match=r"shipped: .*melson"):
         load_robot(tmp_path)
-    with pytest.raises(ConfigError, match="shipped: .*melson"):
+    with pytest.raises(ConfigError, match=r"shipped: .*melson"):
         load_robot("a" * 5000)
 
 

@@ -26,6 +26,12 @@ LAST_STRIDES = 5  # ten steps
 POSE_CHANGE_DEG = 1.0  # above it, two poses differ visibly
 POSITION_TOLERANCE, ROTATION_TOLERANCE_DEG = 1e-4, 0.01  # [m], [deg] within which a task is met
 SAME_TORQUE = 1e-3  # relative; below it torques count as equal
+# what the trajectories show where a claim on positions fails
+WHY_NOT = {
+    "hip_roll": "To lower the torque the null-space motion swings this joint through zero to the "
+    "other side, where its magnitude need not pass that of S1; it does so only afterwards, in "
+    "double support, on the way to its peak over the whole motion"
+}
 
 
 def all_claims(study: Study) -> list[Claim]:
@@ -137,6 +143,7 @@ def position_claim(study: Study, joint: str, *, higher: bool) -> Claim:
             for name, angle in angles.items()
         }
         note += f"; in the window [deg]: {'; '.join(travels.values())}"
+        note += f". {WHY_NOT.get(joint, '')}"
     return Claim(
         f"left_{joint}_position_peak",
         f"position peak of the left {joint.replace('_', ' ')} in left single support is "

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from mgs.contact import Side, Support
-from mgs.experiments.melson_runs import DRIFT_JOINT, Study, angle_of, drift_series
+from mgs.experiments.melson_runs import DRIFT_JOINT, SCENARIOS, Array, Study, angle_of, drift_series
 from mgs.report.canvas import BLACK, SKY, VERMILION, Figure, figure_paths, save_figures
 from mgs.report.panels import Line, Panel, draw_panels, shade_single_support
 from mgs.report.poses import Pose, plot_poses
@@ -15,7 +15,7 @@ from mgs.report.robot_drawing import FRONT, RIGHT_SIDE
 
 JOINTS = ("hip_roll", "knee_pitch", "ankle_roll")
 NAMES = (*JOINTS, "scenario_poses", "drift", "drift_poses")
-LOOKS = {"S1": (BLACK, "--"), "S2": (SKY, "-"), "S3": (VERMILION, "-")}  # colour, line style
+LOOKS = {"S1": ("0.65", 3.4), "S2": (SKY, 2.2), "S3": (VERMILION, 1.2)}  # colour, line width
 DRIFT_LOOKS = {"gamma_joint 0": (VERMILION, "-", "o"), "gamma_joint 1": (BLACK, "-", "s")}
 
 
@@ -40,8 +40,11 @@ def plot_joint(study: Study, joint: str) -> Figure:
     shades = shade_single_support(t, tasks.support)
     i = study.robot.joint_names.index(f"left_{joint}")
 
-    def lines(series: dict[str, np.ndarray]) -> tuple[Line, ...]:
-        return tuple(Line(t, y, _label(study, name), *LOOKS[name]) for name, y in series.items())
+    def lines(series: dict[str, Array]) -> tuple[Line, ...]:
+        return tuple(
+            Line(t, series[name], name, colour, width=width)  # seen where others run over it
+            for name, (colour, width) in LOOKS.items()
+        )
 
     torques = {name: torque[:, i] for name, torque in study.torques.items()}
     title = f"left {joint.replace('_', ' ')}"
@@ -49,12 +52,8 @@ def plot_joint(study: Study, joint: str) -> Figure:
         Panel(lines(torques), "torque [N m]", f"{title}: gravity torque", shades=shades),
         Panel(lines(angle_of(study, joint)), "angle [deg]", f"{title}: angle", shades=shades),
     ]
-    return draw_panels(panels, height=2.4)
-
-
-def _label(study: Study, name: str) -> str:
-    solver = study.scenarios[name].motion.solver
-    return f"{name}: gamma_joint {solver['gamma_joint']:g}, gamma_grav {solver['gamma_grav']:g}"
+    gains = ", ".join(f"{k} {gj:g} and {gg:g}" for k, (gj, gg) in SCENARIOS.items())
+    return draw_panels(panels, height=2.4, caption=f"gamma_joint and gamma_grav: {gains}")
 
 
 def plot_scenario_poses(study: Study) -> Figure:
@@ -76,10 +75,10 @@ def plot_drift(study: Study) -> Figure:
     traces, samples = [], []
     for name, stages in study.drift.items():
         colour, style, marker = DRIFT_LOOKS[name]
-        angles = np.degrees(stages.joints.angles[:, i])
+        angles: Array = np.degrees(stages.joints.angles[:, i])
         traces.append(Line(stages.motion.times, angles, name, colour, style, width=1.0))
         series = drift_series(study)[name]
-        steps = np.arange(len(series)) * 2.0
+        steps = 2.0 * np.arange(len(series))
         samples.append(Line(steps, series, name, colour, style, marker=marker))
     title = DRIFT_JOINT.replace("_", " ")
     settled = samples[-1].y[1:]

@@ -28,6 +28,7 @@ def plan_walk(robot: Robot, gait: Gait) -> MotionPlan:
     first_support = _first_support(walk)
     footsteps = plan_footsteps(walk, walk.step_width or midpoint_width(robot), first_support)
     _refuse_overlap(robot, footsteps, walk)
+    _refuse_zmp_beside_sole(robot, walk)
     com, hands = _standing_figures(robot)
     return MotionPlan(
         dt=gait.dt,
@@ -87,13 +88,26 @@ def _refuse_overlap(robot: Robot, footsteps: tuple[Footstep, ...], walk: WalkPar
             raise FootstepError(first, second, gap, advice)
 
 
+def _refuse_zmp_beside_sole(robot: Robot, walk: WalkParameters) -> None:
+    for side in Side:
+        sole = robot.sole_spec(side)
+        forward, inward = (abs(offset) for offset in walk.zmp_offset)
+        if forward >= 0.5 * sole.length or inward >= 0.5 * sole.width:
+            raise ConfigError(
+                "walk.zmp_offset",
+                f"{walk.zmp_offset} m lies outside the sole, which ends {0.5 * sole.length:g} m "
+                f"ahead and {0.5 * sole.width:g} m beside its centre",
+            )
+
+
 def _boundaries(walk: WalkParameters, dt: float) -> list[int]:
     """Samples at which phases begin: lead-in, shift, step, ..., shift, lead-out, and the end."""
     steps = [walk.double_support, walk.single_support] * walk.n_steps
     durations = [walk.lead_in, *steps, walk.double_support, walk.lead_out]
     samples = np.round(np.concatenate([[0.0], np.cumsum(durations)]) / dt).astype(int)
     if np.diff(samples).min() < MIN_PHASE_SAMPLES:
-        key = min(("double_support", "single_support"), key=lambda name: getattr(walk, name))
+        keys = ("lead_in", "double_support", "single_support", "lead_out")
+        key = min(keys, key=lambda name: float(getattr(walk, name)))
         raise ConfigError(
             f"walk.{key}",
             f"{getattr(walk, key)} s is fewer than {MIN_PHASE_SAMPLES} samples of dt = {dt} s; "

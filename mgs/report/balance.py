@@ -46,7 +46,7 @@ def support_bounds(motion: Motion) -> Array:
     """
     bounds = np.empty((motion.n_samples, 2, 2))
     for start, end in support_spans(motion):
-        polygon = support_polygon(motion, start)
+        polygon = support_polygon(motion, motion.soles, start)
         for axis in (0, 1):
             level = motion.zmp[start:end, 1 - axis]
             bounds[start:end, axis] = section(polygon, level, axis)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -23,7 +24,7 @@ from mgs.report.canvas import (
     style_axes,
 )
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +73,9 @@ class Panel:
     shades: tuple[Shade, ...] = ()
     limits: tuple[float, float] | None = None  # drawn dashed, and always inside the axes
     ylim: tuple[float, float] | None = None
+    xlim: tuple[float, float] | None = None
     logarithmic: bool = False
+    equal: bool = False  # one scale for both axes
 
 
 def shade_single_support(times: Array, support: NDArray[np.int8]) -> tuple[Shade, ...]:
@@ -177,6 +180,10 @@ def _scale(axes: Axes, panel: Panel) -> None:
     x = np.concatenate([line.x for line in panel.lines])
     if not any(line.marker for line in panel.lines) and np.ptp(x) > 0.0:
         axes.set_xlim(float(x.min()), float(x.max()))
+    if panel.xlim is not None:
+        axes.set_xlim(*panel.xlim)
+    if panel.equal:
+        axes.set_aspect("equal")
     if panel.logarithmic:
         axes.set_yscale("log")
     if panel.limits is not None:

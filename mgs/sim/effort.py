@@ -25,20 +25,22 @@ class Effort:
         self._squares = np.zeros_like(stall)
         self._run = np.zeros(len(stall), dtype=np.intp)
         self._longest = np.zeros(len(stall), dtype=np.intp)
+        self._end = np.zeros(len(stall), dtype=np.intp)
 
     def add(self, torque: Array) -> None:
         """Take in the torques (k, n) of the next steps [N m]."""
         magnitude = np.abs(torque)
-        self._n_steps += len(torque)
         self._squares += np.square(torque).sum(axis=0)
         self.peak = np.maximum(self.peak, magnitude.max(axis=0))
         saturated = magnitude >= SATURATED * self._stall
-        if not saturated.any():
+        if saturated.any():
+            for step, row in enumerate(saturated, start=self._n_steps + 1):
+                self._run = np.where(row, self._run + 1, 0)
+                self._end[self._run > self._longest] = step
+                self._longest = np.maximum(self._longest, self._run)
+        else:
             self._run[:] = 0
-            return
-        for row in saturated:
-            self._run = np.where(row, self._run + 1, 0)
-            self._longest = np.maximum(self._longest, self._run)
+        self._n_steps += len(torque)
 
     @property
     def rms(self) -> Array:
@@ -49,3 +51,8 @@ class Effort:
     def saturation(self) -> Array:
         """Longest time in a row at stall torque (n,) [s]."""
         return np.asarray(self._longest * self._dt, dtype=np.float64)
+
+    @property
+    def saturation_end(self) -> Array:
+        """When that time was over (n,), since the first step [s]."""
+        return np.asarray(self._end * self._dt, dtype=np.float64)

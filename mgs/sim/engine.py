@@ -87,6 +87,7 @@ def make_engine(name: EngineName, robot: Robot, settings: Settings) -> Engine:
     Raises:
         SimulationError: the engine is unknown or not installed, or the models differ.
     """
+    require(name)
     engine = _load(name, robot, settings)
     try:
         audit(engine, robot, name)
@@ -96,13 +97,17 @@ def make_engine(name: EngineName, robot: Robot, settings: Settings) -> Engine:
     return engine
 
 
-def _load(name: EngineName, robot: Robot, settings: Settings) -> Engine:
+def require(name: EngineName) -> None:
+    """Raise SimulationError unless the engine is known and installed."""
     if name not in ENGINES:
         raise SimulationError(f"no physics engine {name!r}; there are: {', '.join(ENGINES)}")
     if name not in available_engines():
         raise SimulationError(
             f"{name} is not installed; installed: {', '.join(available_engines()) or 'none'}"
         )
+
+
+def _load(name: EngineName, robot: Robot, settings: Settings) -> Engine:
     if name == "pybullet":
         from mgs.sim.pybullet import PybulletEngine
 

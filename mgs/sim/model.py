@@ -33,6 +33,7 @@ def simulation_urdf(robot: Robot) -> str:
         _add_link(root, link_name(robot, joint), robot.model.inertias[joint], shapes[joint])
     for i in range(robot.n):
         _add_joint(root, robot, i)
+    ElementTree.indent(root)  # PyBullet reads by lines and spoils those beyond 8 kB
     return ElementTree.tostring(root, encoding="unicode")
 
 
@@ -57,8 +58,8 @@ def _add_link(
         for j in range(i, 3)
     }
     ElementTree.SubElement(inertial, "inertia", entries)
-    for placement, kind, size in shapes:
-        collision = ElementTree.SubElement(link, "collision")
+    for number, (placement, kind, size) in enumerate(shapes):
+        collision = ElementTree.SubElement(link, "collision", name=f"{name}_{number}")
         _add_origin(collision, placement)
         ElementTree.SubElement(ElementTree.SubElement(collision, "geometry"), kind, size)
 

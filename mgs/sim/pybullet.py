@@ -6,6 +6,7 @@ else than the robot given; docs/simulation.md has the figures.
 
 from __future__ import annotations
 
+import importlib.metadata
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -44,8 +45,8 @@ class PybulletEngine:
 
     @property
     def version(self) -> str:
-        """Version of the PyBullet interface."""
-        return str(self._p.getAPIVersion())
+        """Version of PyBullet."""
+        return importlib.metadata.version("pybullet")
 
     def place(self, q: Array) -> None:
         """Put the robot at q, at rest."""

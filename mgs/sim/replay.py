@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from mgs.geometry import wrap_angle
 from mgs.motion import Motion
 from mgs.robot import FLOATING_BASE_NQ
-from mgs.sim.engine import DEFAULTS, EngineName, Settings, make_engine
+from mgs.sim.engine import DEFAULTS, EngineName, Settings, make_engine, require
 from mgs.sim.measure import angle_between, largest_slip, travel
 from mgs.sim.playback import Progress, Recording, fallen, play, poses_along
 
@@ -64,6 +64,7 @@ class Replay:
     joint_error_max_deg: float
     torque_saturation: float  # longest time in a row that any joint is at its stall torque [s]
     torque_saturation_joint: str | None
+    torque_saturation_time: float | None  # when that time was over [s]
     torque_rms: dict[str, float]  # by joint [N m]
     torque_peak: dict[str, float]  # by joint [N m]
     sole_slip_max: float  # [m]
@@ -90,7 +91,7 @@ def replay(
 
     Args:
         motion: what the servos are told.
-        engine: name of the engine.
+        engine: "pybullet" or "mujoco".
         settings: None for the engine's defaults.
         progress: called with samples done and samples in all.
 
@@ -98,6 +99,7 @@ def replay(
         SimulationError: the engine is missing, has loaded another robot or diverged.
     """
     started = time.perf_counter()
+    require(engine)
     settings = _divide(settings or DEFAULTS[engine], motion.dt)
     simulator = make_engine(engine, motion.robot, settings)
     try:
@@ -167,6 +169,7 @@ def _effort_figures(motion: Motion, recording: Recording) -> dict[str, Any]:
     return {
         "torque_saturation": saturation,
         "torque_saturation_joint": names[worst] if saturation > 0.0 else None,
+        "torque_saturation_time": float(effort.saturation_end[worst]) if saturation > 0.0 else None,
         "torque_rms": dict(zip(names, effort.rms.tolist(), strict=True)),
         "torque_peak": dict(zip(names, effort.peak.tolist(), strict=True)),
     }

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import functools
-
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
@@ -11,20 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 from mgs.contact import Footstep, Side, Support
 from mgs.gait import parse_gait
 from mgs.motion import Motion
-from mgs.robot import FLOATING_BASE_NQ, Robot, load_robot
+from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
 
 Array = NDArray[np.float64]
 DT = 0.01  # [s]
 
 
-@functools.cache
-def melson() -> Robot:
-    """The robot that all these motions are for."""
-    return load_robot("melson")
-
-
-def motion_of(robot: Robot, q: Array, support: Support = Support.DOUBLE) -> Motion:
-    """Motion through q (N, 7 + n); the fields that no replay looks at are empty."""
+def motion_of(robot: Robot, q: Array) -> Motion:
+    """Motion through q (N, 7 + n) on both feet; the fields that no replay looks at are empty."""
     v = np.zeros((len(q), robot.model.nv))
     for k in range(1, len(q) - 1):
         v[k] = pin.difference(robot.model, q[k - 1], q[k + 1]) / (2 * DT)
@@ -39,7 +31,7 @@ def motion_of(robot: Robot, q: Array, support: Support = Support.DOUBLE) -> Moti
         gait_name="test",
         dt=DT,
         footsteps=tuple(Footstep(side, *soles[0, side, :2], 0.0) for side in Side),
-        support=np.full(len(q), support, dtype=np.int8),
+        support=np.full(len(q), Support.DOUBLE, dtype=np.int8),
         q=q,
         v=v,
         torque=none,
@@ -92,7 +84,7 @@ def _with_soles_at(robot: Robot, data: pin.Data, q: Array, soles: list[pin.SE3])
         pin.framesForwardKinematics(robot.model, data, q)
         for frame, target in zip(robot.sole_frames, soles, strict=True):
             J = pin.computeFrameJacobian(robot.model, data, q, frame, pin.LOCAL)
-            J[:, :6] = 0.0
+            J[:, :FLOATING_BASE_NV] = 0.0
             error = pin.log6(data.oMf[frame].actInv(target)).vector
             step += np.linalg.pinv(J) @ error
             largest = max(largest, float(np.abs(error).max()))

@@ -3,80 +3,145 @@
 from __future__ import annotations
 
 import dataclasses
+from contextlib import closing
 
 import numpy as np
 import pinocchio as pin
 import pytest
-from numpy.typing import NDArray
 
 from mgs.errors import SimulationError
-from mgs.sim import DEFAULTS, ENGINES, EngineName, available_engines
+from mgs.sim import DEFAULTS, available_engines, engine
 from mgs.sim.audit import audit, random_q
 from mgs.sim.engine import make_engine
-from mgs.sim.model import joint_axis, simulation_urdf
-from tests.sim.motions import melson
 
-Array = NDArray[np.float64]
+EXACT = 1e-6  # [m], [rad], [kg m^2]; PyBullet keeps the base's inertial frame in single precision
 
 
-@pytest.fixture(params=ENGINES)
-def name(request: pytest.FixtureRequest) -> EngineName:
-    """Every engine; those that are not installed are skipped."""
-    pytest.importorskip(request.param)
-    return request.param  # type: ignore[no-any-return]
+def test_an_engine_has_pinocchios_links_com_and_inertia_at_random_postures(engine_name, any_robot):
+    rng = np.random.default_rng(1)
+    data = any_robot.model.createData()
+    with closing(make_engine(engine_name, any_robot, DEFAULTS[engine_name])) as simulator:
+        for _ in range(10):
+            q = random_q(any_robot, rng)
+            simulator.place(q)
+            model = simulator.inspect()
+            com = pin.centerOfMass(any_robot.model, data, q)
+            links = [placement.homogeneous for placement in data.oMi.tolist()[1:]]
+            upper = np.triu(pin.crba(any_robot.model, data, q)[6:, 6:])
+            np.testing.assert_allclose(model.com, com, atol=EXACT)
+            np.testing.assert_allclose(np.triu(model.inertia), upper, atol=EXACT)
+            poses = [pin.XYZQUATToSE3(pose).homogeneous for pose in model.links]
+            np.testing.assert_allclose(poses, links, atol=EXACT)
 
 
-def test_forward_kinematics_and_com_equal_pinocchios_at_random_postures(name):
-    robot, rng = melson(), np.random.default_rng(1)
-    data = robot.model.createData()
-    engine = make_engine(name, robot, DEFAULTS[name])
-    for _ in range(10):
-        q = random_q(robot, rng)
-        engine.place(q)
-        model = engine.inspect()
-        com = pin.centerOfMass(robot.model, data, q)
-        np.testing.assert_allclose(model.com, com, atol=1e-9)
-        for joint, pose in enumerate(model.links, start=1):
-            expected = data.oMi[joint]
-            actual = pin.XYZQUATToSE3(pose)
-            np.testing.assert_allclose(actual.homogeneous, expected.homogeneous, atol=1e-9)
-    engine.close()
+def test_reading_returns_what_was_placed(engine_name, any_robot):
+    q = random_q(any_robot, np.random.default_rng(2))
+    with closing(make_engine(engine_name, any_robot, DEFAULTS[engine_name])) as simulator:
+        simulator.place(q)
+        np.testing.assert_allclose(
+            pin.difference(any_robot.model, q, simulator.read()), 0.0, atol=EXACT
+        )
 
 
-def test_reading_returns_what_was_placed(name):
-    robot = melson()
-    q = random_q(robot, np.random.default_rng(2))
-    engine = make_engine(name, robot, DEFAULTS[name])
-    engine.place(q)
-    np.testing.assert_allclose(pin.difference(robot.model, q, engine.read()), 0, atol=1e-9)
-    engine.close()
+def heavier(robot, joint):
+    """The robot with 2 g more at the CoM of one link."""
+    robot = dataclasses.replace(robot, model=robot.model.copy())
+    inertia = robot.model.inertias[joint]
+    robot.model.inertias[joint] = pin.Inertia(inertia.mass + 0.002, inertia.lever, inertia.inertia)
+    return robot
 
 
-def test_pybullet_keeps_the_inertias_of_the_urdf():
-    """Its joint-space mass matrix is an oracle for every inertia at once."""
-    pytest.importorskip("pybullet")
-    robot = melson()
-    engine = make_engine("pybullet", robot, DEFAULTS["pybullet"])
-    q = random_q(robot, np.random.default_rng(3))
-    engine.place(q)
-    mass = np.array(
-        engine._p.calculateMassMatrix(engine._body, q[7:].tolist(), physicsClientId=engine._client)
-    )
-    expected = pin.crba(robot.model, robot.model.createData(), q)
-    order = [robot.joint_names.index(name) for name in bullet_order(engine)]
-    joints = 6 + np.array(order)
-    np.testing.assert_allclose(mass[6:, 6:], expected[np.ix_(joints, joints)], atol=1e-7)
+def lopsided(robot, joint):
+    """The robot with the CoM of its heaviest link 20 mm aside."""
+    robot = dataclasses.replace(robot, model=robot.model.copy())
+    robot.model.inertias[joint].lever += np.array([0.0, 0.02, 0.0])
+    return robot
 
 
-def test_mujoco_keeps_the_inertias_of_the_urdf():
-    """Its joint-space mass matrix, less the servos' armature, is an oracle for every inertia."""
-    mujoco = pytest.importorskip("mujoco")
-    robot = melson()
-    engine = make_engine("mujoco", robot, DEFAULTS["mujoco"])
-    q = random_q(robot, np.random.default_rng(3))
-    engine.place(q)
-    full = np.zeros((robot.model.nv, robot.model.nv))
-    mujoco.mj_fullM(engine._model, full, engine._data.qM)
-    joints = engine._angles - 1  # the free joint has one velocity less than positions
-    expected = pin.crba(robot.model, robot.model.createData(), q)[6:, 6:] + np.diag(robot.armature)
-    np.testing.assert_allclose(full[np.ix_(joints, joints)], expected, atol=1e-7)
+def bloated(robot, joint):
+    """The robot with twice the rotational inertia in one link."""
+    robot = dataclasses.replace(robot, model=robot.model.copy())
+    inertia = robot.model.inertias[joint]
+    robot.model.inertias[joint] = pin.Inertia(inertia.mass, inertia.lever, 2.0 * inertia.inertia)
+    return robot
+
+
+def displaced(robot, joint):
+    """The robot with one joint 2 mm aside."""
+    robot = dataclasses.replace(robot, model=robot.model.copy())
+    robot.model.jointPlacements[joint].translation += np.array([0.002, 0.0, 0.0])
+    return robot
+
+
+def turned(robot, joint):
+    """The robot with one joint turned back to front, which reverses its sense."""
+    robot = dataclasses.replace(robot, model=robot.model.copy())
+    placement = robot.model.jointPlacements[joint]
+    placement.rotation = placement.rotation @ np.diag([-1.0, -1.0, 1.0])
+    return robot
+
+
+def narrower(robot, joint):
+    """The robot with one joint range cut."""
+    upper = robot.upper.copy()
+    upper[joint - 2] -= 0.01
+    return dataclasses.replace(robot, upper=upper)
+
+
+def renamed(robot, joint):
+    """The robot with another name for one joint."""
+    names = list(robot.joint_names)
+    names[joint - 2] = "another"
+    return dataclasses.replace(robot, joint_names=tuple(names))
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        (heavier, "mass"),
+        (lopsided, "CoM"),
+        (bloated, "inertia"),
+        (displaced, "link of waist_yaw"),
+        (turned, "link of waist_yaw"),
+        (narrower, "torque limit of waist_yaw"),
+        (renamed, "another"),
+    ],
+)
+def test_the_audit_rejects_another_robot(engine_name, melson, change, complaint):
+    waist = melson.model.getJointId("waist_yaw")
+    with closing(make_engine(engine_name, melson, DEFAULTS[engine_name])) as simulator:
+        audit(simulator, melson, engine_name)
+        with pytest.raises(SimulationError, match=complaint):
+            audit(simulator, change(melson, waist), engine_name)
+
+
+def test_a_torque_is_never_above_the_stall_torque(engine_name, melson):
+    """Targets a whole radian away ask of every servo all it has, and no more."""
+    q = melson.standing_q
+    target = np.tile(q[7:] + 1.0, (20, 1))
+    with closing(make_engine(engine_name, melson, DEFAULTS[engine_name])) as simulator:
+        simulator.place(q)
+        torque = np.abs(simulator.drive(target, np.zeros_like(target)))
+    assert (torque <= melson.torque_limit * (1 + 1e-9)).all()
+    np.testing.assert_allclose(torque[0], melson.torque_limit, rtol=1e-6)
+
+
+def test_a_missing_engine_is_named(monkeypatch, melson):
+    monkeypatch.setattr(engine.importlib.util, "find_spec", lambda name: None)
+    assert available_engines() == ()
+    with pytest.raises(SimulationError, match="mujoco is not installed"):
+        make_engine("mujoco", melson, DEFAULTS["mujoco"])
+
+
+def test_an_unknown_engine_is_refused(melson):
+    with pytest.raises(SimulationError, match="pybullet, mujoco"):
+        make_engine("bullet", melson, DEFAULTS["mujoco"])
+
+
+def test_importing_the_simulation_imports_no_engine():
+    import subprocess
+    import sys
+
+    code = "import sys, mgs.sim; print([m for m in ('pybullet', 'mujoco') if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

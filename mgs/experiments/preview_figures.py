@@ -1,0 +1,135 @@
+"""Figures of the preview control study; see `preview`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from mgs.experiments.preview import SOFT, STEP_BEFORE, STIFF, Study, follow, stepping
+from mgs.experiments.preview_servo import Servo
+from mgs.gait import ComParameters
+from mgs.report.canvas import (
+    BLACK,
+    FAINT,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    Figure,
+    figure_paths,
+    save_figures,
+)
+from mgs.report.panels import Line, Panel, draw_panels
+
+NAMES = ("loop", "step", "fast_steps")
+WINDOWS = {0.4: VERMILION, 0.8: ORANGE, 1.6: GREEN}  # [s] -> colour
+WEIGHTS = {SOFT: (VERMILION, "o"), STIFF: (SKY, "s")}
+MM = 1e3  # of a metre
+
+
+def refuse_existing(folder: Path, *, force: bool) -> None:
+    """Raise OutputExistsError if a figure is in the way and `force` is not set."""
+    figure_paths(folder, NAMES, "png", force=force)
+
+
+def write_figures(study: Study, folder: Path, *, force: bool) -> list[Path]:
+    """Draw everything into a folder."""
+    plots = (plot_loop, plot_step, plot_fast_steps)
+    figures = {name: plot(study) for name, plot in zip(NAMES, plots, strict=True)}
+    return save_figures(figures, folder, force=force)
+
+
+def plot_loop(study: Study) -> Figure:
+    """Poles of the closed loop, and preview gains over the time that they look ahead."""
+    turn = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 200)
+    poles = [Line(np.cos(turn), np.sin(turn), colour=FAINT, style="--", width=0.9)]
+    gains = []
+    for servo in (study.soft, study.stiff):
+        weight = servo.parameters.weight_jerk
+        colour, marker = WEIGHTS[weight]
+        roots = servo.closed_loop().poles()
+        label = f"weight_jerk {weight:g}"
+        poles.append(Line(roots.real, roots.imag, label, colour, "", marker=marker))
+        G_p = np.abs(servo.gains.G_p)
+        ahead = np.arange(1, len(G_p) + 1) * servo.dt
+        gains.append(Line(ahead, G_p / G_p.max(), label, colour))
+    return draw_panels(
+        [
+            Panel(
+                tuple(poles),
+                "imaginary part",
+                "poles of the closed loop",
+                "dashed: unit circle",
+                xlabel="real part",
+                xlim=(-0.05, 1.08),
+                ylim=(-0.6, 0.6),
+                equal=True,
+            ),
+            Panel(
+                tuple(gains),
+                "|G_p| / largest |G_p|",
+                "preview gains",
+                xlabel="time ahead [s]",
+                logarithmic=True,
+            ),
+        ],
+        columns=2,
+        height=3.6,
+    )
+
+
+def plot_step(study: Study) -> Figure:
+    """Answer to a step that is known in advance, and what a shorter window costs."""
+    t = (np.arange(len(study.step)) - STEP_BEFORE) * study.soft.dt
+    reference = Line(t, MM * study.step, "reference", BLACK, "--", width=1.0)
+    answer = (
+        Line(t, MM * study.com, "CoM", PURPLE, width=2.0),
+        Line(t, MM * study.answers[SOFT], "ZMP", GREEN),
+        reference,
+    )
+    shorter = [
+        Line(t, MM * follow(_with_window(study.soft, s), study.step)[0], f"ZMP, {s:g} s", colour)
+        for s, colour in WINDOWS.items()
+    ]
+    xlabel, xlim = "time from the step [s]", (-1.5, 1.5)
+    return draw_panels(
+        [
+            Panel(answer, "x [mm]", "a step known 1.6 s in advance", xlabel=xlabel, xlim=xlim),
+            Panel(
+                (*shorter, reference),
+                "x [mm]",
+                "the same with shorter preview windows",
+                xlabel=xlabel,
+                xlim=xlim,
+            ),
+        ],
+        height=2.6,
+        caption=f"weight_jerk {SOFT:g}",
+    )
+
+
+def _with_window(servo: Servo, preview: float) -> Servo:
+    weight = servo.parameters.weight_jerk
+    return Servo(servo.dt, servo.com_height, ComParameters(preview=preview, weight_jerk=weight))
+
+
+def plot_fast_steps(study: Study) -> Figure:
+    """ZMP on steps of 0.5 s with either weight of the jerk, and its distance from the reference."""
+    window = stepping(study)
+    t = np.flatnonzero(window) * study.fast.dt
+    reference = study.fast.zmp_ref[window]
+    zmps, gaps = [], []
+    for weight, (colour, _) in WEIGHTS.items():
+        zmp, label = study.fast_zmp[weight][window], f"weight_jerk {weight:g}"
+        zmps.append(Line(t, MM * zmp[:, 1], label, colour))
+        gaps.append(Line(t, MM * np.linalg.norm(zmp - reference, axis=1), label, colour))
+    zmps.append(Line(t, MM * reference[:, 1], "reference", BLACK, "--", width=1.0))
+    return draw_panels(
+        [
+            Panel(tuple(zmps), "y [mm]", "ZMP of the cart-table on steps of 0.5 s"),
+            Panel(tuple(gaps), "distance [mm]", "distance of the ZMP from its reference"),
+        ],
+        height=2.4,
+    )

@@ -1,0 +1,126 @@
+"""The ZMP preview servo as python-control sees it, and ways to its gains that share no code with it.
+
+State of the closed loop z[k] = (s[k-1], x[k]), inputs the reference p_ref[k] and the sum w[k] of
+previewed references; symbols as in `mgs.com_generator.preview`:
+
+    s[k]   = s[k-1] + C x[k] - p_ref[k]
+    u[k]   = -G_i s[k] - G_x x[k] - w[k]
+    x[k+1] = A x[k] + B u[k],   p[k] = C x[k]
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mgs.com_generator.preview import PreviewGains, preview_gains
+from mgs.gait import ComParameters
+
+Array = NDArray[np.float64]
+MAX_ITERATIONS, CONVERGED = 20_000, 1e-14  # of the Riccati recursion, relative change
+
+
+@dataclass(frozen=True)
+class Servo:
+    """One preview servo: its settings and the gains that mgs computes for them."""
+
+    dt: float  # [s]
+    com_height: float  # [m]
+    parameters: ComParameters
+
+    @property
+    def gains(self) -> PreviewGains:
+        """Gains of mgs."""
+        p = self.parameters
+        return preview_gains(self.dt, self.com_height, p.preview, p.weight_error, p.weight_jerk)
+
+    @property
+    def feedback(self) -> Array:
+        """Gains (4,) of mgs on (sum of errors, state)."""
+        return np.concatenate([[self.gains.G_i], self.gains.G_x])
+
+    def error_system(self) -> tuple[Array, Array, Array, Array]:
+        """Matrices A (4, 4), B (4, 1), Q (4, 4), R (1, 1) of the LQ problem in (e, dx)."""
+        g = self.gains
+        A = np.block([[np.ones((1, 1)), (g.C @ g.A)[None]], [np.zeros((3, 1)), g.A]])
+        B = np.concatenate([[g.C @ g.B], g.B])[:, None]
+        Q = np.diag([self.parameters.weight_error, 0.0, 0.0, 0.0])
+        return A, B, Q, np.array([[self.parameters.weight_jerk]])
+
+    def closed_loop(self) -> Any:
+        """The loop as a `control.StateSpace` from (p_ref, w) to p."""
+        import control
+
+        g = self.gains
+        C, B = g.C[None], g.B[:, None]
+        A = np.block([[np.ones((1, 1)), C], [-g.G_i * B, g.A - B @ (g.G_i * C + g.G_x[None])]])
+        inputs = np.block([[-np.ones((1, 1)), np.zeros((1, 1))], [g.G_i * B, -B]])
+        return control.ss(A, inputs, np.hstack([[[0.0]], C]), np.zeros((1, 2)), self.dt)
+
+
+def lqr_feedback(servo: Servo) -> tuple[Array, Array]:
+    """Feedback (4,) and Riccati solution (4, 4) of python-control's dlqr."""
+    import control
+
+    gain, riccati, _ = control.dlqr(*servo.error_system())
+    return np.asarray(gain)[0], np.asarray(riccati)
+
+
+def riccati_residual(servo: Servo, K: Array) -> float:
+    """What K (4, 4) leaves of the Riccati equation, relative to K."""
+    return float(np.abs(_riccati_step(servo, K) - K).max() / np.abs(K).max())
+
+
+def iterated_feedback(servo: Servo) -> Array:
+    """Feedback (4,) by running the Riccati recursion from zero until it stands still."""
+    K = np.zeros((4, 4))
+    for _ in range(MAX_ITERATIONS):
+        previous, K = K, _riccati_step(servo, K)
+        if np.abs(K - previous).max() < CONVERGED * np.abs(K).max():
+            break
+    A, B, _, R = servo.error_system()
+    return np.asarray(np.linalg.solve(R + B.T @ K @ B, B.T @ K @ A))[0]
+
+
+def _riccati_step(servo: Servo, K: Array) -> Array:
+    A, B, Q, R = servo.error_system()
+    BKA = B.T @ K @ A
+    return np.asarray(Q + A.T @ K @ A - BKA.T @ np.linalg.solve(R + B.T @ K @ B, BKA))
+
+
+def register_gains(servo: Servo) -> tuple[Array, Array]:
+    """Feedback (4,) and preview gains (n,) by plain LQR on a plant that holds the future.
+
+    The n known increments of the reference are states of a shift register, so that one dlqr of
+    order 4 + n gives every gain at once, without any formula for preview.
+    """
+    import control
+
+    A, B, Q, R = servo.error_system()
+    n = len(servo.gains.G_p)
+    A_all, B_all, Q_all = np.zeros((4 + n, 4 + n)), np.zeros((4 + n, 1)), np.zeros((4 + n, 4 + n))
+    A_all[:4, :4], B_all[:4], Q_all[:4, :4] = A, B, Q
+    A_all[0, 4] = -1.0  # e[k+1] takes in the next increment of the reference
+    A_all[4:, 4:] = np.eye(n, k=1)
+    gain = np.asarray(control.dlqr(A_all, B_all, Q_all, R)[0])[0]
+    return gain[:4], gain[4:]
+
+
+def step_reference(n_before: int, n_after: int, height: float) -> Array:
+    """Reference (n_before + n_after,) that jumps from 0 to `height` [m]."""
+    return np.repeat([0.0, height], [n_before, n_after])
+
+
+def simulate(servo: Servo, zmp_ref: Array) -> Array:
+    """ZMP (N,) [m] of python-control's simulation along zmp_ref (N,) that begins at 0."""
+    import control
+
+    G_p = servo.gains.G_p
+    future = np.concatenate([zmp_ref[1:], np.full(len(G_p), zmp_ref[-1])])
+    w = np.array([G_p @ future[k : k + len(G_p)] for k in range(len(zmp_ref))])
+    times = np.arange(len(zmp_ref)) * servo.dt
+    response = control.forced_response(servo.closed_loop(), times, np.stack([zmp_ref, w]))
+    return np.asarray(response.outputs).ravel()

@@ -1,0 +1,23 @@
+"""Every shipped gait in every engine: it passes, and not by luck of the solver's settings."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+
+from mgs.sim import DEFAULTS, replay
+from mgs.verdict import replay_checks
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("change", ["default", "half the step", "twice the iterations"])
+def test_a_shipped_gait_passes_at_other_solver_settings_too(shipped, engine_name, change):
+    settings = DEFAULTS[engine_name]
+    if change == "half the step":
+        settings = dataclasses.replace(settings, dt=settings.dt / 2)
+    elif change == "twice the iterations":
+        settings = dataclasses.replace(settings, iterations=2 * settings.iterations)
+    result = replay(shipped.stages.motion, engine_name, settings)
+    assert [check.name for check in replay_checks(result) if not check.ok] == []
+    assert result.max_tilt_deg < 5.0
