@@ -35,6 +35,7 @@ docs-figures: $(VENV)/.mgs
 
 $(VENV)/.mgs: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
 	@touch $@
 

@@ -2,8 +2,8 @@
 
 Everything is computed anew from the joint angles and the base pose, so that a file is judged by
 what its joints do, not by what it says of itself; only the torques are taken as stored, since in
-double support they rest on the planned share of the load. Nothing is averaged away: each check reports its
-worst value, when and where.
+double support they rest on the planned share of the load. Nothing is averaged away: each check
+reports its worst value, when and where.
 """
 
 from __future__ import annotations

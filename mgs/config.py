@@ -6,7 +6,7 @@ import difflib
 import re
 from collections.abc import Hashable, Iterable
 from pathlib import Path
-from typing import Any, NoReturn, TypeVar
+from typing import Annotated, Any, Literal, NoReturn, TypeVar
 
 import pydantic
 import yaml
@@ -15,6 +15,7 @@ from mgs.errors import ConfigError
 
 MAX_BYTES = 1_000_000  # no gait or robot file comes near it; keeps a wrong file from filling memory
 MAX_DEPTH = 30  # nesting of any file that we read is below 6
+MAX_PROBLEMS = 20  # told at once
 
 
 class Model(pydantic.BaseModel):
@@ -28,11 +29,22 @@ class Model(pydantic.BaseModel):
 M = TypeVar("M", bound=Model)
 
 
+def _refuse_true(value: object) -> object:
+    """To Python True and 1.0 equal 1, so that a Literal[1] takes them."""
+    if type(value) is not int:
+        raise ValueError(f"input should be 1, found {_short(value)}")
+    return value
+
+
+FormatVersion = Annotated[Literal[1], pydantic.BeforeValidator(_refuse_true)]
+
+
 class _Loader(yaml.SafeLoader):
-    """Safe loader that reads 1e-6 as a number, refuses repeated keys, aliases, tags, deep nesting."""
+    """Safe loader: 1e-6 is a number; no repeated keys, aliases, tags or deep nesting."""
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        event = self.peek_event()
+        loader: Any = self  # PyYAML's type stubs differ from one version to the next
+        event = loader.peek_event()
         depth = getattr(self, "depth", 0)
         if isinstance(event, yaml.AliasEvent):
             self._refuse(event, "YAML aliases (*name) are not allowed")
@@ -45,7 +57,7 @@ class _Loader(yaml.SafeLoader):
         self.depth = depth
         return node
 
-    def _refuse(self, event: yaml.Event, problem: str) -> NoReturn:
+    def _refuse(self, event: Any, problem: str) -> NoReturn:
         raise yaml.composer.ComposerError(None, None, problem, event.start_mark)
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Hashable, Any]:
@@ -55,7 +67,10 @@ class _Loader(yaml.SafeLoader):
             if isinstance(key_node, yaml.ScalarNode):
                 if key in seen:
                     raise yaml.constructor.ConstructorError(
-                        None, None, f"key {key_node.value!r} appears twice", key_node.start_mark
+                        None,
+                        None,
+                        f"key {_short(key_node.value)} appears twice",
+                        key_node.start_mark,
                     )
                 seen.add(key)
         return super().construct_mapping(node, deep)
@@ -122,26 +137,29 @@ def set_key(tree: Any, assignment: str, source: str = "--set") -> None:
 
 
 def build(model: type[M], tree: Any, source: str | Path) -> M:
-    """Validate a tree; raises one ConfigError naming each bad key, its value and what is allowed."""
+    """Validate a tree; raises one ConfigError with each bad key, its value and what is allowed."""
     if not isinstance(tree, dict):
         found = "nothing" if tree is None else f"a {type(tree).__name__}"
         raise ConfigError(source, f"expected keys and values at the top level, found {found}")
     try:
         return model.model_validate(tree)
     except pydantic.ValidationError as error:
-        problems = [_explain(model, item) for item in error.errors(include_url=False)]
-        raise ConfigError(source, problems[:20]) from error
+        items = error.errors(include_url=False)
+        problems = [_explain(model, item) for item in items[:MAX_PROBLEMS]]
+        if len(items) > MAX_PROBLEMS:
+            problems.append(f"and {len(items) - MAX_PROBLEMS} more problems")
+        raise ConfigError(source, problems) from error
     except RecursionError as error:
         raise ConfigError(source, "nested too deeply") from error
 
 
 def _explain(model: type[Model], item: Any) -> str:
     # a tagged union puts its tag into the location, where the file has no key of that name
-    location = ".".join(str(part) for part in item["loc"]) or "file"
+    location = _clip(".".join(str(part) for part in item["loc"]) or "file", 100)
     kind, message = item["type"], item["msg"]
     if kind == "extra_forbidden":
         known = _known_keys(model, item["loc"])
-        close = difflib.get_close_matches(str(item["loc"][-1]), known, n=1)
+        close = difflib.get_close_matches(str(item["loc"][-1])[:40], known, n=1)
         hint = f"did you mean {close[0]!r}?" if close else f"known here: {', '.join(sorted(known))}"
         return f"{location}: unknown key; {hint}"
     if kind == "missing":
@@ -156,9 +174,10 @@ def _known_keys(model: type[Model], loc: Iterable[Any]) -> list[str]:
     """Keys allowed where an unknown one was found."""
     current: Any = model
     for part in list(loc)[:-1]:
-        field = current.model_fields.get(part) if hasattr(current, "model_fields") else None
-        current = field.annotation if field else None
-        options = [current, *getattr(current, "__args__", ())]
+        field = current.model_fields.get(part) if current is not None else None
+        if field is None:  # a key that people choose, such as the name of a servo
+            continue
+        options = [field.annotation, *getattr(field.annotation, "__args__", ())]
         current = next((o for o in options if hasattr(o, "model_fields")), None)
     return list(current.model_fields) if current is not None else []
 
@@ -168,5 +187,11 @@ def _short(value: object, limit: int = 60) -> str:
         text = str(value) if isinstance(value, Exception) else repr(value)
     except ValueError:  # Python writes no integer of more than 4300 digits
         text = "a number of thousands of digits"
-    text = " ".join(text.split())
+    return _clip(text, limit)
+
+
+def _clip(text: str, limit: int) -> str:
+    """Text on one line, cut where it is too long, without what a terminal would obey."""
+    text = " ".join(text.split())[: limit + 1]
+    text = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
     return text if len(text) <= limit else text[: limit - 3] + "..."

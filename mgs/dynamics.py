@@ -34,7 +34,7 @@ class WholeBodyMotion:
 
 
 def place_on_soles(robot: Robot, joints: Array, root: NDArray[np.int8], soles_ref: Array) -> Array:
-    """Full configurations (N, 7 + n) of joint angles (N, n) whose root sole stands on its reference.
+    """Configurations (N, 7 + n) of joint angles (N, n) whose root sole stands on its reference.
 
     Args:
         robot: the robot.
@@ -102,7 +102,7 @@ def _kinematics(robot: Robot, q: Array) -> tuple[Array, Array]:
 
 
 def _inverse_dynamics(robot: Robot, q: Array, v: Array, a: Array) -> Array:
-    """Generalised forces (N, 6 + n) without contacts; the first six act on the base, in its frame."""
+    """Forces (N, 6 + n) without contacts; the first six act on the base, in its frame."""
     model, data = robot.model, robot.model.createData()
     forces = np.empty_like(v)
     for k in range(len(q)):

@@ -15,12 +15,23 @@ MgsError                     exit code 1: the work could not be done
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 
 class MgsError(Exception):
     """Base of all errors that mgs raises on purpose."""
 
     exit_code = 1
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Carry message and data between processes; pickle would call __init__ with the message."""
+        return _unpickle, (type(self), self.args, self.__dict__)
+
+
+def _unpickle(kind: type[MgsError], args: tuple[Any, ...], data: dict[str, Any]) -> MgsError:
+    error = kind.__new__(kind, *args)
+    error.__dict__.update(data)
+    return error
 
 
 class InputError(MgsError):

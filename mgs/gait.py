@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 import yaml
 from pydantic import Field, model_validator
 
-from mgs.config import Model, build, is_file, parse_yaml, read_text, set_key
+from mgs.config import FormatVersion, Model, build, is_file, parse_yaml, read_text, set_key
 from mgs.errors import ConfigError
 
 SCHEMA_VERSION = 1
@@ -54,7 +54,7 @@ class WalkParameters(Model):
         0.02, gt=0.0, le=0.5, description="Highest point of the swing sole above the ground [m]."
     )
     com_height: float | None = Field(
-        None, gt=0.0, le=3.0, description="Height of the CoM above the ground [m]; null: posture."
+        None, ge=1e-3, le=3.0, description="Height of the CoM above the ground [m]; null: posture."
     )
     zmp_offset: Annotated[list[Length], Field(min_length=2, max_length=2)] = Field(
         [0.0, 0.0],
@@ -94,7 +94,7 @@ class IkParameters(Model):
     )
     gamma_grav_ramp: float = Field(
         0.2,
-        gt=0.0,
+        ge=1e-4,
         le=10.0,
         description="Time over which gamma_grav falls before double support [s].",
     )
@@ -112,7 +112,7 @@ class IkParameters(Model):
 class Gait(Model):
     """A gait file."""
 
-    mgs: Literal[1] = Field(description="Version of this format.")
+    mgs: FormatVersion = Field(description="Version of this format.")
     robot: str | None = Field(
         None, min_length=1, max_length=200, description="Shipped robot or a robot folder."
     )

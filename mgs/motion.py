@@ -53,4 +53,4 @@ class Motion:
     @property
     def times(self) -> Array:
         """Times (N,) of the samples [s]."""
-        return np.arange(self.n_samples) * self.dt
+        return self.dt * np.arange(self.n_samples, dtype=np.float64)

@@ -5,17 +5,17 @@ from __future__ import annotations
 import functools
 import math
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 from pydantic import Field
 
-from mgs.config import Model, build, is_file, parse_yaml, read_text
+from mgs.config import FormatVersion, Model, build, is_file, parse_yaml, read_text
 from mgs.contact import Side
 from mgs.errors import ConfigError
 from mgs.gait import shipped_folder
@@ -67,7 +67,7 @@ class SolePair(Model):
 class RobotSpec(Model):
     """A robot.yaml."""
 
-    mgs: Literal[1] = Field(description="Version of this format.")
+    mgs: FormatVersion = Field(description="Version of this format.")
     name: str = Field(min_length=1, max_length=100)
     urdf: str = Field("robot.urdf", description="URDF file, relative to the folder of robot.yaml.")
     base_link: str = Field(description="Link that carries the floating base.")
@@ -280,8 +280,9 @@ def _check_names(
             problems.append(
                 f"joints.{name}: servo {spec.joints[name]!r} is not listed under servos"
             )
-    groups = {f"groups.{group}": members for group, members in spec.groups.items()}
-    for key, members in {"joints": spec.joints, "posture": spec.posture, **groups}.items():
+    named: dict[str, Iterable[str]] = {"joints": spec.joints, "posture": spec.posture}
+    named |= {f"groups.{group}": members for group, members in spec.groups.items()}
+    for key, members in named.items():
         problems += [
             f"{key}: {spec.urdf} has no joint {name!r}" for name in members if name not in names
         ]

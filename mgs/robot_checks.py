@@ -84,7 +84,7 @@ def _symmetry(robot: Robot) -> Finding:
     return Finding(
         "symmetry",
         worst <= MASS_SYMMETRY and sideways <= 0.02,
-        f"masses differ by {100 * worst:.2f} % ({pair}), CoM {1e3 * sideways:.1f} mm off the middle",
+        f"masses differ by {100 * worst:.2f} % ({pair}), CoM {1e3 * sideways:.1f} mm off middle",
         "compare the inertial elements of left and right; a walk needs room for the difference",
     )
 

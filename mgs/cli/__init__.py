@@ -36,12 +36,14 @@ class ErrorsAsMessages(click.Group):
         except OSError as error:
             what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
             raise click.ClickException(what) from error
+        except MemoryError as error:
+            raise click.ClickException("there is not enough memory for this") from error
 
 
 @click.group(cls=ErrorsAsMessages, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="mgs")
 def main() -> None:
-    r"""Offline motion generation for position-controlled humanoid robots.
+    """Offline motion generation for position-controlled humanoid robots.
 
     A gait file (YAML) becomes a joint trajectory (MCAP) that the robot plays back open loop, and a
     verdict on it from static checks and physics.
@@ -54,7 +56,7 @@ def main() -> None:
 
     Exit codes: 0 done (and passed), 1 the motion fails or the work could not be done, 2 malformed
     input or wrong usage.
-    """
+    """  # noqa: D301
 
 
 for command in (generate, info, plot, validate, replay, robot, experiment, schema):

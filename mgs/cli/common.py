@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 import time
 from collections.abc import Callable
@@ -20,6 +21,19 @@ force_option = click.option("--force", is_flag=True, help="Replace existing file
 motion_argument = click.argument(
     "file", metavar="FILE.mcap", type=click.Path(exists=True, dir_okay=False, path_type=Path)
 )
+
+
+class FiniteRange(click.FloatRange):
+    """A range that NaN is outside of; click itself lets it through."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Number of a text; ends the command as a usage error unless it lies in the range."""
+        number: float = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value!r} is not a finite number.", param, ctx)
+        return number
 
 
 def print_json(content: object) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -37,7 +38,7 @@ def generate(
     force: bool,
     as_json: bool,
 ) -> None:
-    r"""Make a motion file from a gait file.
+    """Make a motion file from a gait file.
 
     GAIT.yaml is a path or the name of a shipped gait.
 
@@ -45,26 +46,28 @@ def generate(
     Examples:
       mgs generate melson/walk_5cm
       mgs generate my_walk.yaml -o walk.mcap --set walk.n_steps=30 --set ik.gamma_joint=0
-    """
+    """  # noqa: D301
     from mgs.errors import ConfigError, OutputExistsError
     from mgs.gait import load_gait
 
     started = time.perf_counter()
-    overrides = [f"robot={robot_name}"] if robot_name else []
-    overrides += [f"ik.solver={ik}"] if ik else []
+    # a JSON text is the YAML of a text, be it `123` or `null`
+    quoted = {"robot": robot_name, "ik.solver": ik}
+    overrides = [f"{key}={json.dumps(v)}" for key, v in quoted.items() if v is not None]
     parameters = load_gait(gait, (*assignments, *overrides))
     if parameters.robot is None:
         raise ConfigError(gait, "robot: missing; name one in the file or with --robot")
-    name = Path(gait).stem
-    path = output or Path("outputs") / Path(parameters.robot).name / f"{name}.mcap"
-    if path.exists() and not force:
-        raise OutputExistsError(path)
 
     from mgs.motion_file import write_motion
     from mgs.pipeline import generate as run
     from mgs.robot import load_robot
 
     robot = load_robot(parameters.robot)
+    name = Path(gait).stem
+    path = output or Path("outputs") / Path(parameters.robot).name / f"{name}.mcap"
+    if path.exists() and not force:
+        raise OutputExistsError(path)
+    name = name.encode("utf-8", "replace").decode()  # a file name may be no text, a motion file is
 
     def work(bar: ProgressBar) -> tuple[Motion, dict[str, float]]:
         stages = run(robot, parameters, name, progress=bar)
@@ -106,7 +109,7 @@ def _print_summary(summary: dict[str, object], motion: Motion) -> None:
     margin = zmp_margins(motion, motion.zmp).min()
     stages = ", ".join(f"{stage} {1e3 * t:.0f}" for stage, t in seconds.items())
     click.echo(
-        f"{summary['file']}\n"
+        f"{click.format_filename(str(summary['file']))}\n"
         f"  robot     {summary['robot']}, gait {summary['gait']}, solver {summary['solver']}\n"
         f"  motion    {motion.duration:.2f} s, {motion.n_samples} samples of {motion.dt:g} s\n"
         f"  tracking  soles {1e3 * tracking['sole_position']:.4f} mm and "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
 
 import click
 
@@ -13,12 +14,12 @@ from mgs.cli.common import force_option, json_option, motion_argument, print_jso
 @motion_argument
 @json_option
 def info(file: Path, as_json: bool) -> None:
-    r"""Say what is in a motion file: robot, gait, solver, duration, topics, provenance.
+    """Say what is in a motion file: robot, gait, solver, duration, topics, provenance.
 
     \b
     Example:
       mgs info walk.mcap
-    """
+    """  # noqa: D301
     from mgs.motion_file import read_info
 
     content = read_info(file)
@@ -30,8 +31,12 @@ def info(file: Path, as_json: bool) -> None:
             click.echo(f"{key}:")
             for name, entry in value.items():
                 click.echo(f"  {name}: {entry}")
+        elif isinstance(value, list):
+            click.echo(f"{key}:")
+            for entry in value:
+                click.echo("  " + ", ".join(str(part) for part in entry.values()))
         else:
-            click.echo(f"{key}: {value}")
+            click.echo(f"{key}: {click.format_filename(str(value))}")
 
 
 @click.command()
@@ -45,13 +50,15 @@ def info(file: Path, as_json: bool) -> None:
 )
 @force_option
 @json_option
-def plot(file: Path, output: Path | None, fmt: str, force: bool, as_json: bool) -> None:
-    r"""Draw footsteps, ZMP, CoM and joints of a motion against their limits.
+def plot(
+    file: Path, output: Path | None, fmt: Literal["png", "svg"], force: bool, as_json: bool
+) -> None:
+    """Draw footsteps, ZMP, CoM and joints of a motion against their limits.
 
     \b
     Example:
       mgs plot walk.mcap -o plots
-    """
+    """  # noqa: D301
     from mgs.motion_file import read_motion
     from mgs.report import plot_motion
 
@@ -61,4 +68,4 @@ def plot(file: Path, output: Path | None, fmt: str, force: bool, as_json: bool) 
         print_json({"file": str(file), "plots": [str(path) for path in paths]})
     else:
         for path in paths:
-            click.echo(path)
+            click.echo(click.format_filename(path))

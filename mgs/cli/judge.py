@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mgs.cli.common import json_option, motion_argument, print_json, with_progress
+from mgs.cli.common import FiniteRange, json_option, motion_argument, print_json, with_progress
 from mgs.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 @json_option
 @click.pass_context
 def validate(ctx: click.Context, file: Path, physics: str | None, as_json: bool) -> None:
-    r"""Judge a motion: static checks and an open-loop replay in physics.
+    """Judge a motion: static checks and an open-loop replay in physics.
 
     Exit code 0 when nothing fails, 1 when anything does.
 
@@ -33,7 +33,7 @@ def validate(ctx: click.Context, file: Path, physics: str | None, as_json: bool)
     Examples:
       mgs validate walk.mcap
       mgs validate walk.mcap --physics none --json
-    """
+    """  # noqa: D301
     from mgs.checks import check_motion
     from mgs.motion_file import read_motion
     from mgs.verdict import judge
@@ -62,9 +62,9 @@ def validate(ctx: click.Context, file: Path, physics: str | None, as_json: bool)
 @click.option(
     "--engine", type=click.Choice(["pybullet", "mujoco"]), help="Default: pybullet where present."
 )
-@click.option("--step", type=click.FloatRange(1e-5, 0.01), help="Simulation step [s].")
+@click.option("--step", type=FiniteRange(1e-5, 0.01), help="Simulation step [s].")
 @click.option("--iterations", type=click.IntRange(1, 10_000), help="Of the contact solver.")
-@click.option("--friction", type=click.FloatRange(0.0, 10.0), help="Of soles on the ground.")
+@click.option("--friction", type=FiniteRange(0.0, 10.0), help="Of soles on the ground.")
 @json_option
 @click.pass_context
 def replay(
@@ -76,7 +76,7 @@ def replay(
     friction: float | None,
     as_json: bool,
 ) -> None:
-    r"""Execute a motion open loop in one physics engine and measure it.
+    """Execute a motion open loop in one physics engine and measure it.
 
     Exit code 1 when the robot falls.
 
@@ -84,7 +84,7 @@ def replay(
     Examples:
       mgs replay walk.mcap
       mgs replay walk.mcap --engine mujoco --friction 0.5 --json
-    """
+    """  # noqa: D301
     import dataclasses
 
     from mgs.motion_file import read_motion

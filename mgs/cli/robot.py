@@ -9,13 +9,24 @@ from mgs.cli.common import json_option, print_json
 
 @click.group()
 def robot() -> None:
-    """Look at robots: what is known and whether it is sound."""
+    """Look at robots: what is known and whether it is sound.
+
+    \b
+    Examples:
+      mgs robot list
+      mgs robot check robots/mine
+    """  # noqa: D301
 
 
 @robot.command("list")
 @json_option
 def list_command(as_json: bool) -> None:
-    """List the shipped robots."""
+    """List the shipped robots.
+
+    \b
+    Example:
+      mgs robot list
+    """  # noqa: D301
     from mgs.robot import list_robots
 
     if as_json:
@@ -29,12 +40,12 @@ def list_command(as_json: bool) -> None:
 @click.argument("name", metavar="NAME_OR_DIR")
 @json_option
 def show(name: str, as_json: bool) -> None:
-    r"""Show mass, soles, joints, limits and servos of a robot.
+    """Show mass, soles, joints, limits and servos of a robot.
 
     \b
     Example:
       mgs robot show melson
-    """
+    """  # noqa: D301
     from mgs.contact import Side
     from mgs.robot import load_robot
 
@@ -74,12 +85,12 @@ def show(name: str, as_json: bool) -> None:
 @json_option
 @click.pass_context
 def check(ctx: click.Context, name: str, as_json: bool) -> None:
-    r"""Prove a robot folder sound; exit code 1 when anything is not.
+    """Prove a robot folder sound; exit code 1 when anything is not.
 
     \b
     Example:
       mgs robot check robots/mine
-    """
+    """  # noqa: D301
     from dataclasses import asdict
 
     from mgs.robot import load_robot

@@ -10,12 +10,12 @@ from mgs.cli.common import print_json
 @click.command()
 @click.argument("kind", type=click.Choice(["gait", "robot"]))
 def schema(kind: str) -> None:
-    r"""Print the JSON schema of a kind of file, for editors that complete and check.
+    """Print the JSON schema of a kind of file, for editors that complete and check.
 
     \b
     Example:
       mgs schema gait > gait.schema.json
-    """
+    """  # noqa: D301
     if kind == "gait":
         from mgs.gait import Gait
 

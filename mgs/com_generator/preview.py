@@ -64,9 +64,10 @@ def preview_gains(
     C = np.array([1.0, 0.0, -com_height / GRAVITY])
     At = np.block([[np.ones((1, 1)), C[None] @ A], [np.zeros((3, 1)), A]])
     Bt = np.concatenate([[C @ B], B])[:, None]
-    Qt = np.diag([weight_error, 0.0, 0.0, 0.0])
-    K = _riccati(At, Bt, Qt, weight_jerk, f"dt = {dt} s, com_height = {com_height} m")
-    denominator = weight_jerk + float(Bt[:, 0] @ K @ Bt[:, 0])
+    Qt = np.diag([1.0, 0.0, 0.0, 0.0])
+    ratio = weight_jerk / weight_error  # all that matters; the Riccati solver wants it balanced
+    K = _riccati(At, Bt, Qt, ratio, f"dt = {dt} s, com_height = {com_height} m")
+    denominator = ratio + float(Bt[:, 0] @ K @ Bt[:, 0])
     G = (Bt.T @ K @ At)[0] / denominator
     Ac = At - Bt * G
     if not np.all(np.abs(np.linalg.eigvals(Ac)) < 1.0):
@@ -80,9 +81,9 @@ def preview_gains(
     return PreviewGains(A, B, C, float(G[0]), G[1:].copy(), G_p)
 
 
-def _riccati(At: Array, Bt: Array, Qt: Array, weight_jerk: float, what: str) -> Array:
+def _riccati(At: Array, Bt: Array, Qt: Array, R: float, what: str) -> Array:
     try:
-        return np.asarray(scipy.linalg.solve_discrete_are(At, Bt, Qt, np.array([[weight_jerk]])))
+        return np.asarray(scipy.linalg.solve_discrete_are(At, Bt, Qt, np.array([[R]])))
     except (np.linalg.LinAlgError, ValueError) as error:
         raise _no_gain(what, str(error)) from error
 
@@ -111,7 +112,9 @@ def follow_zmp(
         parameters.weight_error,
         parameters.weight_jerk,
     )
-    states = _closed_loop(gains, zmp_ref)  # (N, 3, 2)
+    # seen from its start: a finite window takes what lies beyond it for the origin
+    states = _closed_loop(gains, zmp_ref - zmp_ref[0])  # (N, 3, 2)
+    states[:, 0] += zmp_ref[0]
     _require_rest(states[-1], zmp_ref[-1])
     flat = np.zeros(len(zmp_ref))
     return ComTrajectory(
@@ -123,7 +126,7 @@ def follow_zmp(
 
 
 def _closed_loop(gains: PreviewGains, zmp_ref: Array) -> Array:
-    """States (N, 3, 2) of both axes under preview control.
+    """States (N, 3, 2) of both axes under preview control, from rest at the origin.
 
     Unknowns in the order (x[0], s[0], x[1], s[1], ...), four to a sample; row by row
 
@@ -140,7 +143,6 @@ def _closed_loop(gains: PreviewGains, zmp_ref: Array) -> Array:
         band[3 - row, :, row] = -gains.C[row]
     band[4, :-1, 3] = -1.0
     rhs = np.zeros((n, 4, 2))
-    rhs[0, 0] = zmp_ref[0]  # at rest above the first reference
     rhs[1:, :3] = -gains.B[None, :, None] * _preview_sums(gains.G_p, zmp_ref)[:-1, None]
     rhs[:, 3] = -zmp_ref
     solution, info = lapack.dtbtrs(
@@ -163,6 +165,6 @@ def _require_rest(state: Array, zmp_end: Array) -> None:
     if speed > REST_SPEED or distance > REST_DISTANCE:
         raise InfeasibleGaitError(
             f"the CoM still moves at {1e3 * speed:.1f} mm/s, {1e3 * distance:.1f} mm from its goal "
-            f"when the motion ends ({1e3 * REST_SPEED:g} mm/s, {1e3 * REST_DISTANCE:g} mm allowed); "
-            "use a longer lead_out or com.preview"
+            f"when the motion ends ({1e3 * REST_SPEED:g} mm/s and {1e3 * REST_DISTANCE:g} mm are "
+            "allowed); use a longer lead_out or com.preview"
         )

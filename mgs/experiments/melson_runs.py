@@ -107,15 +107,17 @@ def angle_of(study: Study, joint: str) -> dict[str, Array]:
     return {name: np.degrees(s.joints.angles[:, i]) for name, s in study.scenarios.items()}
 
 
-def drift_series(study: Study) -> dict[str, Array]:
-    """Angle [deg] by gain of the drifting joint wherever a left single support begins.
+def stride_poses(stages: Stages) -> Array:
+    """Joint angles (n_steps / 2, n) [deg] wherever a left single support begins.
 
-    One sample every two steps, at equal phases of the walk: (n_steps / 2,).
+    One sample every two steps, at equal phases of the walk.
     """
+    left = stages.tasks.support == Support.LEFT
+    starts = np.flatnonzero(left[1:] & ~left[:-1]) + 1
+    return np.asarray(np.degrees(stages.joints.angles[starts]))
+
+
+def drift_series(study: Study) -> dict[str, Array]:
+    """Angle (n_steps / 2,) [deg] by gain of the drifting joint, once every two steps."""
     i = study.robot.joint_names.index(DRIFT_JOINT)
-    series = {}
-    for name, stages in study.drift.items():
-        left = stages.tasks.support == Support.LEFT
-        starts = np.flatnonzero(left[1:] & ~left[:-1]) + 1
-        series[name] = np.degrees(stages.joints.angles[starts, i])
-    return series
+    return {name: stride_poses(stages)[:, i] for name, stages in study.drift.items()}

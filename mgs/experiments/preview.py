@@ -126,7 +126,7 @@ def stability_claim(study: Study) -> Claim:
         float(poles.max()),
         bool(poles.max() < 1.0),
         f"weight_jerk {SOFT:g}; as that goes to zero, a double pole goes to exp(-omega dt) = "
-        f"{natural:.6f}, the stable zero of the cart-table and the mirror image of its unstable one",
+        f"{natural:.6f}, the cart-table's stable zero and the mirror image of its unstable one",
         {"largest pole": float(poles.max()), "exp(-omega dt)": natural},
     )
 

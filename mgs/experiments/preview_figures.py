@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
 
-from mgs.experiments.preview import SOFT, STEP_BEFORE, STIFF, Study, follow, stepping
-from mgs.experiments.preview_servo import Servo
+from mgs.experiments.preview import SOFT, STEP_BEFORE, STIFF, Array, Study, follow, stepping
 from mgs.gait import ComParameters
 from mgs.report.canvas import (
     BLACK,
+    BLUE,
     FAINT,
     GREEN,
     ORANGE,
     PURPLE,
-    SKY,
     VERMILION,
     Figure,
     figure_paths,
@@ -25,7 +25,7 @@ from mgs.report.panels import Line, Panel, draw_panels
 
 NAMES = ("loop", "step", "fast_steps")
 WINDOWS = {0.4: VERMILION, 0.8: ORANGE, 1.6: GREEN}  # [s] -> colour
-WEIGHTS = {SOFT: (VERMILION, "o"), STIFF: (SKY, "s")}
+WEIGHTS = {SOFT: (VERMILION, "o"), STIFF: (BLUE, "x")}
 MM = 1e3  # of a metre
 
 
@@ -90,8 +90,8 @@ def plot_step(study: Study) -> Figure:
         reference,
     )
     shorter = [
-        Line(t, MM * follow(_with_window(study.soft, s), study.step)[0], f"ZMP, {s:g} s", colour)
-        for s, colour in WINDOWS.items()
+        Line(t, MM * _answer(study, window), f"ZMP, window {window:g} s", colour)
+        for window, colour in WINDOWS.items()
     ]
     xlabel, xlim = "time from the step [s]", (-1.5, 1.5)
     return draw_panels(
@@ -110,9 +110,10 @@ def plot_step(study: Study) -> Figure:
     )
 
 
-def _with_window(servo: Servo, preview: float) -> Servo:
-    weight = servo.parameters.weight_jerk
-    return Servo(servo.dt, servo.com_height, ComParameters(preview=preview, weight_jerk=weight))
+def _answer(study: Study, window: float) -> Array:
+    """ZMP (N,) [m] on the step with another preview window [s]."""
+    parameters = ComParameters(preview=window, weight_jerk=SOFT)
+    return follow(dataclasses.replace(study.soft, parameters=parameters), study.step)[0]
 
 
 def plot_fast_steps(study: Study) -> Figure:

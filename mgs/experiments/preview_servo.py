@@ -1,4 +1,4 @@
-"""The ZMP preview servo as python-control sees it, and ways to its gains that share no code with it.
+"""The ZMP preview servo as python-control sees it, and other ways to its gains.
 
 State of the closed loop z[k] = (s[k-1], x[k]), inputs the reference p_ref[k] and the sum w[k] of
 previewed references; symbols as in `mgs.com_generator.preview`:
@@ -71,22 +71,22 @@ def lqr_feedback(servo: Servo) -> tuple[Array, Array]:
 
 def riccati_residual(servo: Servo, K: Array) -> float:
     """What K (4, 4) leaves of the Riccati equation, relative to K."""
-    return float(np.abs(_riccati_step(servo, K) - K).max() / np.abs(K).max())
+    left = _riccati_step(*servo.error_system(), K) - K
+    return float(np.abs(left).max() / np.abs(K).max())
 
 
 def iterated_feedback(servo: Servo) -> Array:
     """Feedback (4,) by running the Riccati recursion from zero until it stands still."""
+    A, B, Q, R = servo.error_system()
     K = np.zeros((4, 4))
     for _ in range(MAX_ITERATIONS):
-        previous, K = K, _riccati_step(servo, K)
+        previous, K = K, _riccati_step(A, B, Q, R, K)
         if np.abs(K - previous).max() < CONVERGED * np.abs(K).max():
             break
-    A, B, _, R = servo.error_system()
     return np.asarray(np.linalg.solve(R + B.T @ K @ B, B.T @ K @ A))[0]
 
 
-def _riccati_step(servo: Servo, K: Array) -> Array:
-    A, B, Q, R = servo.error_system()
+def _riccati_step(A: Array, B: Array, Q: Array, R: Array, K: Array) -> Array:
     BKA = B.T @ K @ A
     return np.asarray(Q + A.T @ K @ A - BKA.T @ np.linalg.solve(R + B.T @ K @ B, BKA))
 

@@ -223,8 +223,8 @@ class _Run:
             tree.error(positions, rotation, error)
             if error @ error < UPDATE_ABOVE**4:  # quadratic convergence: the last one is exact
                 break
-            # damping by the error (Sugihara, IEEE Trans. Robotics 27(5), 2011) settles at the nearest
-            # posture where the goal is out of reach, so that the message says how far it is
+            # damping by the error (Sugihara, IEEE Trans. Robotics 27(5), 2011) settles at the
+            # nearest posture where the goal is out of reach: the message then says how far it is
             q += self._least_norm(tree.J, error, 0, error.dot(error))
         self._refuse_stiff_gravity_gain(tree, q)
 

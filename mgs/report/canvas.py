@@ -120,10 +120,10 @@ def _render(figure: Figure, fmt: Format, few_colours: bool) -> bytes:
         figure.savefig(stream, format=fmt, metadata=metadata)
     if few_colours and fmt == "png":
         image = Image.open(stream).convert("RGB")
+        # one pass of k-means, or pale areas take on a neighbouring hue
+        image = image.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=Image.Dither.NONE)
         stream = io.BytesIO()
-        image.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(
-            stream, "png", optimize=True
-        )
+        image.save(stream, "png", optimize=True)
     return stream.getvalue()
 
 

@@ -10,7 +10,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from mgs.contact import Side
+from mgs.contact import Footstep, Side
 from mgs.geometry import rotate_planar, sole_corners
 from mgs.motion import Motion
 from mgs.report.canvas import (
@@ -26,9 +26,10 @@ from mgs.report.canvas import (
 
 Array = NDArray[np.float64]
 MM = 1e3  # of a metre
-MAX_NUMBERS = 60  # more of them could not be read
-NUMBER_INSET = (0.016, 0.009)  # [m] of a number from toe and outer edge of its sole
-AXES_SIZE, MIN_AXES_SIZE = np.array([8.0, 6.0]), np.array([6.0, 1.4])  # [inch]
+MAX_NUMBERS = 40  # more of them could not be read
+NUMBER_INSET = (-12.0, -8.0)  # [pt] of a number from the outer corner at the toe
+MAX_ASPECT = 25.0  # length by width of a walk that is still drawn to one scale
+AXES_SIZE, MIN_AXES_SIZE = np.array([8.0, 6.0]), np.array([6.0, 1.1])  # [inch]
 
 
 def plot_above(motion: Motion) -> Figure:
@@ -47,7 +48,12 @@ def plot_above(motion: Motion) -> Figure:
 def draw_above(axes: Axes, motion: Motion) -> None:
     """Everything on the ground into given axes [mm]."""
     style_axes(axes, xlabel="x [mm]", ylabel="y [mm]")
-    axes.set_aspect("equal")
+    corners = np.concatenate(list(footstep_corners(motion).values()))
+    spans = np.ptp(corners.reshape(-1, 2), axis=0)
+    if spans.max() < MAX_ASPECT * spans.min():
+        axes.set_aspect("equal")
+    else:
+        style_axes(axes, note="x and y to different scales", xlabel="x [mm]", ylabel="y [mm]")
     _draw_footsteps(axes, motion)
     com, zmp, zmp_ref = MM * motion.com, MM * motion.zmp, MM * motion.zmp_ref
     axes.plot(com[:, 0], com[:, 1], color=PURPLE, linewidth=3.4, alpha=0.75, label="CoM")
@@ -87,16 +93,22 @@ def _draw_footsteps(axes: Axes, motion: Motion) -> None:
     axes.autoscale_view()
     every = math.ceil(len(motion.footsteps) / MAX_NUMBERS)
     for number, footstep in list(enumerate(motion.footsteps, start=-1))[::every]:
-        spec = motion.robot.sole_spec(footstep.side)
-        # the outer toe, where neither ZMP nor CoM pass
-        toe = 0.5 * np.array([spec.length, spec.width]) - NUMBER_INSET
-        toe[1] *= footstep.side.sign
-        x, y = MM * (np.array([footstep.x, footstep.y]) + rotate_planar(toe, footstep.yaw))
-        axes.annotate(
-            str(max(number, 0)),  # the two initial ones are 0
-            (x, y),
-            ha="center",
-            va="center",
-            fontsize=TICK,
-            color=SIDE_COLOURS[footstep.side],
-        )
+        _number(axes, motion, footstep, str(max(number, 0)))  # the two initial ones are 0
+
+
+def _number(axes: Axes, motion: Motion, footstep: Footstep, text: str) -> None:
+    """Write at the outer toe, where neither ZMP nor CoM pass."""
+    spec, outward = motion.robot.sole_spec(footstep.side), [1.0, float(footstep.side.sign)]
+    toe = 0.5 * np.array([spec.length, spec.width]) * outward
+    x, y = MM * (np.array([footstep.x, footstep.y]) + rotate_planar(toe, footstep.yaw))
+    inset = rotate_planar(np.array(NUMBER_INSET) * outward, footstep.yaw)
+    axes.annotate(
+        text,
+        (x, y),
+        xytext=(float(inset[0]), float(inset[1])),
+        textcoords="offset points",
+        ha="center",
+        va="center",
+        fontsize=TICK,
+        color=SIDE_COLOURS[footstep.side],
+    )

@@ -69,18 +69,26 @@ def plot_positions(motion: Motion) -> Figure:
     def panel(joints: JointSet) -> Panel:
         i = [index for _, index in joints.joints]
         margin = np.minimum(angles[:, i] - robot.lower[i], robot.upper[i] - angles[:, i]).min()
-        low, high = robot.lower[i].min(), robot.upper[i].max()
         return Panel(
             lines=_lines(motion, joints, np.degrees(angles)),
             ylabel="angle [deg]",
             title=joints.title,
             note=f"{np.degrees(margin):.0f} deg to limit",
-            limits=(float(np.degrees(low)), float(np.degrees(high))),
+            limits=_position_limits(robot, joints),
         )
 
     return _multiples(
         [panel(joints) for joints in joint_sets(robot)], robot, "dashed: joint limits"
     )
+
+
+def _position_limits(robot: Robot, joints: JointSet) -> tuple[tuple[float, str], ...]:
+    """Limits [deg] with their colours, which are the sides' where the sides differ."""
+    limits: dict[float, str] = {}
+    for side, i in joints.joints:
+        for level in (float(np.degrees(robot.lower[i])), float(np.degrees(robot.upper[i]))):
+            limits[level] = INK if side is None or level in limits else SIDE_COLOURS[side]
+    return tuple(limits.items())
 
 
 def plot_velocities(motion: Motion) -> Figure:
@@ -115,7 +123,7 @@ def _against_symmetric_limits(
             ylabel=ylabel,
             title=joints.title,
             note=f"peak {peak:.0f} %" + f", RMS {rms:.0f} %",
-            limits=(-limit, limit) if near else None,
+            limits=((-limit, INK), (limit, INK)) if near else (),
             ylim=None if near else (-bound, bound),
         )
 

@@ -13,6 +13,8 @@ from mgs.report.canvas import Format, figure_paths, save_figures
 from mgs.report.ground import plot_above
 from mgs.report.joints import plot_positions, plot_torques, plot_velocities
 
+Progress = Callable[[int, int], None]
+
 MOTION_PLOTS: dict[str, Callable[[Motion], Figure]] = {
     "above": plot_above,
     "balance": plot_balance,
@@ -23,7 +25,12 @@ MOTION_PLOTS: dict[str, Callable[[Motion], Figure]] = {
 
 
 def plot_motion(
-    motion: Motion, folder: Path, fmt: Format = "png", *, force: bool = False
+    motion: Motion,
+    folder: Path,
+    fmt: Format = "png",
+    *,
+    force: bool = False,
+    progress: Progress | None = None,
 ) -> list[Path]:
     """Write every plot of a motion into a folder, which is made if missing.
 
@@ -32,6 +39,7 @@ def plot_motion(
         folder: where to write; one file for each entry of `MOTION_PLOTS`.
         fmt: png or svg.
         force: replace existing files.
+        progress: called with plots written and plots in all.
 
     Returns:
         The files.
@@ -41,5 +49,9 @@ def plot_motion(
         MgsError: a file cannot be written.
     """
     figure_paths(folder, MOTION_PLOTS, fmt, force=force)
-    figures = {name: plot(motion) for name, plot in MOTION_PLOTS.items()}
-    return save_figures(figures, folder, fmt, force=force)
+    paths = []
+    for name, plot in MOTION_PLOTS.items():
+        paths += save_figures({name: plot(motion)}, folder, fmt, force=force)
+        if progress is not None:
+            progress(len(paths), len(MOTION_PLOTS))
+    return paths

@@ -71,7 +71,7 @@ class Panel:
     xlabel: str = "time [s]"
     band: Band | None = None
     shades: tuple[Shade, ...] = ()
-    limits: tuple[float, float] | None = None  # drawn dashed, and always inside the axes
+    limits: tuple[tuple[float, str], ...] = ()  # level and colour; dashed, inside the axes
     ylim: tuple[float, float] | None = None
     xlim: tuple[float, float] | None = None
     logarithmic: bool = False
@@ -135,6 +135,22 @@ def draw_panels(
 def draw_panel(axes: Axes, panel: Panel) -> None:
     """One panel into given axes."""
     style_axes(axes, title=panel.title, note=panel.note, xlabel=panel.xlabel, ylabel=panel.ylabel)
+    _draw_background(axes, panel)
+    for line in panel.lines:
+        axes.plot(
+            line.x,
+            line.y,
+            label=line.label or None,
+            color=line.colour,
+            linestyle=line.style,
+            linewidth=line.width,
+            marker=line.marker or None,
+            markersize=4,
+        )
+    _scale(axes, panel)
+
+
+def _draw_background(axes: Axes, panel: Panel) -> None:
     for shade in panel.shades:
         until_next = shade.mask.copy()
         until_next[1:] |= shade.mask[:-1]
@@ -162,18 +178,6 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
             linewidth=0,
             label=band.label,
         )
-    for line in panel.lines:
-        axes.plot(
-            line.x,
-            line.y,
-            label=line.label or None,
-            color=line.colour,
-            linestyle=line.style,
-            linewidth=line.width,
-            marker=line.marker or None,
-            markersize=4,
-        )
-    _scale(axes, panel)
 
 
 def _scale(axes: Axes, panel: Panel) -> None:
@@ -186,10 +190,11 @@ def _scale(axes: Axes, panel: Panel) -> None:
         axes.set_aspect("equal")
     if panel.logarithmic:
         axes.set_yscale("log")
-    if panel.limits is not None:
-        for limit in panel.limits:
-            axes.axhline(limit, color=INK, linestyle=(0, (5, 3)), linewidth=0.9)
-        margin = 0.06 * (panel.limits[1] - panel.limits[0])
-        axes.set_ylim(panel.limits[0] - margin, panel.limits[1] + margin)
+    if panel.limits:
+        for level, colour in panel.limits:
+            axes.axhline(level, color=colour, linestyle=(0, (5, 3)), linewidth=0.9)
+        levels = [level for level, _ in panel.limits]
+        margin = 0.06 * (max(levels) - min(levels))
+        axes.set_ylim(min(levels) - margin, max(levels) + margin)
     if panel.ylim is not None:
         axes.set_ylim(*panel.ylim)

@@ -28,23 +28,25 @@ from mgs.report.robot_drawing import box_corners, draw_robot, view_from
 Array = NDArray[np.float64]
 WIDTH = 9.2  # [inch]
 VIEW = view_from(-58.0, 14.0)  # from the right and front: the robot walks to the right
-N_POSES = 8
+N_POSES, MIN_PLACES = 8, 6  # drawn at most; as wide as so many, even where there are fewer
 SPACING, OVERHANG, CAPTION = 1.0, 0.58, 0.4  # of the CoM's height, around the robots
 
 
 def picture_strip(motion: Motion, n_poses: int = N_POSES) -> Figure:
     """Robot at rest, in the middle of its first steps and at rest again; below, all from above."""
     spans = np.ptp(np.concatenate(list(footstep_corners(motion).values())), axis=(0, 1))
-    ground_height = float(np.clip((WIDTH - 1.0) * spans[1] / spans[0], 1.2, 4.0)) + 0.7
+    ground_height = float(np.clip((WIDTH - 1.0) * spans[1] / spans[0], 1.2, 3.2)) + 0.7
     samples = pose_samples(motion, n_poses)
     unit = float(motion.com[0, 2])
-    width = ((len(samples) - 1) * SPACING + 2 * OVERHANG) * unit
+    places = max(len(samples), MIN_PLACES)
+    width = ((places - 1) * SPACING + 2 * OVERHANG) * unit
+    left = 0.5 * ((len(samples) - 1) * SPACING * unit - width)  # the poses stand in the middle
     top = 1.08 * float(VIEW.project(_highest_point(motion))[1])
     strip_height = WIDTH * (top + CAPTION * unit) / width
     figure = new_figure(WIDTH, strip_height + ground_height + 0.35)
     strip, ground = figure.subplots(2, 1, height_ratios=[strip_height, ground_height])
     _draw_strip(strip, motion, samples, SPACING * unit)
-    strip.set(xlim=(-OVERHANG * unit, width - OVERHANG * unit), ylim=(-CAPTION * unit, top))
+    strip.set(xlim=(left, left + width), ylim=(-CAPTION * unit, top))
     draw_above(ground, motion)
     ground.set_title("from above", loc="left", fontsize=TICK, color=FAINT)
     legend_above(figure, [ground])

@@ -23,26 +23,24 @@ ENGINES: tuple[EngineName, ...] = ("pybullet", "mujoco")
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """How a replay is simulated. The gains of the ideal servo mean different things per engine.
+    """How a replay is simulated.
 
-    PyBullet's motor is a constraint that asks at every step for the joint velocity
-    v + velocity_gain (v_plan - v) + position_gain (q_plan - q) / dt, both gains in 0..1.
-    MuJoCo's is a spring and a damper: torque = stall_torque * position_gain *
-    ((q_plan - q) + velocity_gain (v_plan - v)), in 1/rad and s.
+    The ideal servo is a spring and a damper, clipped at its stall torque, the same in each engine:
+    torque = stall_torque * stiffness * ((q_plan - q) + damping * (v_plan - v)).
     """
 
     dt: float  # longest step [s]; a replay uses the next one that divides the sampling period
     iterations: int  # of the contact solver: of PyBullet exactly, of MuJoCo at most
-    position_gain: float
-    velocity_gain: float
+    stiffness: float = 300.0  # stall torques per angle [1/rad]; 300: all of it at 0.2 deg
+    damping: float = 0.02  # time in which the spring would go slack against its damper [s]
     friction: float = 1.0  # effective Coulomb coefficient of the pair sole and ground
     settle: float = 0.5  # first posture held before the motion [s]
     tail: float = 1.0  # last posture held after the motion [s]
 
 
 DEFAULTS: dict[EngineName, Settings] = {
-    "pybullet": Settings(dt=0.001, iterations=50, position_gain=0.2, velocity_gain=1.0),
-    "mujoco": Settings(dt=0.0005, iterations=50, position_gain=300.0, velocity_gain=0.02),
+    "pybullet": Settings(dt=0.001, iterations=50),
+    "mujoco": Settings(dt=0.0005, iterations=50),
 }
 
 

@@ -68,7 +68,7 @@ class MujocoEngine:
     def _controls(self, position: Array, velocity: Array) -> Array:
         # a position servo has no speed target: it enters as a shift of the position target,
         # together with the way back to the beginning of the step, where MuJoCo evaluates servos
-        return position + (self._settings.velocity_gain - self._settings.dt) * velocity
+        return position + (self._settings.damping - self._settings.dt) * velocity
 
     def read(self) -> Array:
         """Current q (7 + n,); NaN once the simulation has diverged."""
@@ -139,7 +139,7 @@ class MujocoEngine:
         stall = float(robot.torque_limit[i])
         # MuJoCo's contacts give way in proportion to 1 / inertia: feet without rotor inertia creep
         joint.armature = float(robot.armature[i]) or stall / ROTOR_ACCELERATION
-        kp = stall * settings.position_gain
+        kp = stall * settings.stiffness
         actuator = spec.add_actuator(
             name=joint.name,
             target=joint.name,
@@ -149,4 +149,4 @@ class MujocoEngine:
         )
         actuator.gainprm[0] = kp
         actuator.biastype = self._mj.mjtBias.mjBIAS_AFFINE
-        actuator.biasprm[:3] = [0.0, -kp, -kp * settings.velocity_gain]
+        actuator.biasprm[:3] = [0.0, -kp, -kp * settings.damping]

@@ -21,6 +21,7 @@ from mgs.sim.model import simulation_urdf
 
 Array = NDArray[np.float64]
 BASE = -1  # PyBullet's index of the base link
+POSITION_GAIN, VELOCITY_GAIN = 0.2, 1.0  # of the error, corrected in one step
 GRAVITY = 9.81  # [m/s^2]
 
 
@@ -36,6 +37,8 @@ class PybulletEngine:
 
         self._p: Any = pybullet
         self._robot, self._settings = robot, settings
+        self._stiffness = settings.stiffness * robot.torque_limit  # (n,) [N m/rad]
+        self._yield, self._torque = np.zeros(robot.n), np.zeros(robot.n)  # [rad], [N m]
         self._client = pybullet.connect(pybullet.DIRECT)
         self._configure()
         self._add_ground()
@@ -56,31 +59,44 @@ class PybulletEngine:
         position, quat_xyzw = p.multiplyTransforms(q[:3].tolist(), q[3:7].tolist(), offset, turn)
         p.resetBasePositionAndOrientation(self._body, position, quat_xyzw, physicsClientId=client)
         p.resetBaseVelocity(self._body, [0.0] * 3, [0.0] * 3, physicsClientId=client)
+        self._yield, self._torque = np.zeros(self._robot.n), np.zeros(self._robot.n)
         for joint, angle in zip(self._joints, q[FLOATING_BASE_NQ:].tolist(), strict=True):
             p.resetJointState(self._body, joint, angle, 0.0, physicsClientId=client)
 
     def drive(self, position: Array, velocity: Array) -> Array:
         """Make k steps towards (k, n) joint states; returns torques (k, n) [N m]."""
         p, body, joints, client = self._p, self._body, self._joints, self._client
-        motor = self._motor()
-        torques = []
-        for target, speed in zip(position.tolist(), velocity.tolist(), strict=True):
-            p.setJointMotorControlArray(
-                body, joints, targetPositions=target, targetVelocities=speed, **motor
-            )
+        torques = np.empty_like(position)
+        for target, speed, torque in zip(position, velocity, torques, strict=True):
+            self._command(target, speed)
             p.stepSimulation(client)
-            torques.append([state[3] for state in p.getJointStates(body, joints, client)])
-        return np.array(torques)
+            torque[:] = [state[3] for state in p.getJointStates(body, joints, client)]
+            self._torque = torque
+        return torques
 
-    def _motor(self) -> dict[str, Any]:
-        n, settings = self._robot.n, self._settings
-        return {
-            "controlMode": self._p.POSITION_CONTROL,
-            "positionGains": [settings.position_gain] * n,
-            "velocityGains": [settings.velocity_gain] * n,
-            "forces": self._robot.torque_limit.tolist(),
-            "physicsClientId": self._client,
-        }
+    def _command(self, position: Array, velocity: Array) -> None:
+        """Aim the motors at joint states (n,) at the end of the step, less what servos yield.
+
+        PyBullet's motor is a rigid constraint: two feet on the ground and a plan that is off by a
+        tenth of a millimetre make it press to its limit. The spring and damper of `Settings` are
+        therefore put in series with it, solved for the yield x = q_plan - q:
+
+            dx/dt = (torque / stiffness - x) / damping
+        """
+        rate = (self._torque / self._stiffness - self._yield) / self._settings.damping
+        self._yield = self._yield + self._settings.dt * rate
+        n = self._robot.n
+        self._p.setJointMotorControlArray(
+            self._body,
+            self._joints,
+            self._p.POSITION_CONTROL,
+            targetPositions=(position - self._yield).tolist(),
+            targetVelocities=(velocity - rate).tolist(),
+            forces=self._robot.torque_limit.tolist(),
+            positionGains=[POSITION_GAIN] * n,
+            velocityGains=[VELOCITY_GAIN] * n,
+            physicsClientId=self._client,
+        )
 
     def read(self) -> Array:
         """Current q (7 + n,)."""

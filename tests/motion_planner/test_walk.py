@@ -169,7 +169,7 @@ def test_a_straight_walk_advances_one_step_length_past_the_support_sole(first: s
 def test_footsteps_of_a_turning_walk_lie_on_two_circles(
     length: float, turn: float, first: Side, n: int
 ):
-    """A chord L of an arc turned by psi has the radius L / (2 sin(psi / 2)); its middle is (0, R)."""
+    """A chord L of an arc of psi belongs to a circle R = L / (2 sin(psi / 2)) about (0, R)."""
     assume(abs(turn) > 1e-3)
     width = 0.1
     walk = walk_gait(n_steps=n, step_length=length, step_yaw=turn).walk

@@ -72,7 +72,7 @@ def test_a_swing_sole_lifts_off_and_lands_without_speed_or_acceleration(coordina
     plan, tasks = tasks_of(walk_gait(**FINE, lateral=0.02, step_width=0.12))
     h, duration = plan.dt, 0.5
     planar = np.concatenate([tasks.soles[..., :3], yaw(tasks.soles[..., 3:])[..., None]], axis=-1)
-    path = planar[..., "x y z yaw".split().index(coordinate)]
+    path = planar[..., ["x", "y", "z", "yaw"].index(coordinate)]
     size = {"x": 0.1, "y": 0.1, "z": plan.step_height, "yaw": 0.2}[coordinate]  # two steps
     jerk = 400.0 * size / duration**3  # 60 (quintic) and 384 (bump) at the ends
     for phase, side in swings(plan):
@@ -166,7 +166,7 @@ def test_the_zmp_reference_is_smooth():
 
 @given(walks())
 def test_the_load_is_where_the_zmp_is(gait: Gait):
-    """All of it on a sole in single support, half and half at rest, and in between never outside."""
+    """All of it on the sole in single support, half and half at rest."""
     _, tasks = tasks_of(gait)
     load = tasks.load_left
     assert np.all((load >= 0.0) & (load <= 1.0))

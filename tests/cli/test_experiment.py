@@ -1,0 +1,73 @@
+"""mgs experiment: claims as JSON or words; a claim that does not hold is exit code 1."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from mgs.experiments import EXPERIMENTS, Claim
+from tests.cli.run import files_below, run, run_process
+
+KEYS = {"id", "claim", "figure", "holds", "note"}
+HOLDS = Claim("first", "one is one", "1.000", True, values={"one": 1.0})
+FAILS = Claim("second", "one is two", 1.0, False, note="it is not")
+OTHER = Claim("third", "robots like it", "unknown", "not applicable")
+
+
+def play(monkeypatch: pytest.MonkeyPatch, claims: list[Claim]) -> None:
+    """Let the experiment be one that finds these claims and draws one figure."""
+
+    def found(folder: Path | None, progress: object) -> list[Claim]:
+        if folder is not None:
+            folder.mkdir(parents=True, exist_ok=True)
+            (folder / "figure.png").write_bytes(b"")
+        return claims
+
+    monkeypatch.setitem(EXPERIMENTS, "melson", found)
+
+
+@pytest.mark.parametrize(
+    ("claims", "exit_code"), [([HOLDS, OTHER], 0), ([HOLDS, FAILS], 1), ([OTHER], 0)]
+)
+def test_claims_as_json(monkeypatch, tmp_path: Path, claims: list[Claim], exit_code: int):
+    play(monkeypatch, claims)
+    monkeypatch.chdir(tmp_path)
+    result = run("experiment", "melson", "--json", "--no-figures")
+    assert (result.exit_code, result.stderr) == (exit_code, "")
+    printed = json.loads(result.stdout)
+    assert printed["experiment"] == "melson"
+    assert [claim["holds"] for claim in printed["claims"]] == [claim.holds for claim in claims]
+    assert all(set(claim) >= KEYS for claim in printed["claims"])
+    assert files_below(tmp_path) == {}
+
+
+def test_claims_in_words(monkeypatch):
+    play(monkeypatch, [HOLDS, FAILS, OTHER])
+    result = run("experiment", "melson", "--no-figures")
+    assert (result.exit_code, result.stderr) == (1, "")
+    lines = result.stdout.splitlines()
+    assert [line.split()[0] for line in lines] == ["holds", "FAILS", "it", "n/a"]
+
+
+@pytest.mark.parametrize(
+    ("options", "folder"), [((), "outputs/experiments/melson"), (("-o", "figures"), "figures")]
+)
+def test_figures_go_where_they_are_told(monkeypatch, tmp_path: Path, options, folder: str):
+    play(monkeypatch, [HOLDS])
+    monkeypatch.chdir(tmp_path)
+    result = run("experiment", "melson", *options)
+    assert result.exit_code == 0
+    assert list(files_below(tmp_path)) == [f"{folder}/figure.png"]
+    assert result.stdout.splitlines()[-1] == f"figures in {folder}"
+
+
+def test_a_real_experiment_prints_json_and_nothing_else(tmp_path: Path):
+    done = run_process("experiment", "preview", "--json", "--no-figures", cwd=tmp_path)
+    printed = json.loads(done.stdout)
+    holds = [claim["holds"] for claim in printed["claims"]]
+    assert done.returncode == (1 if False in holds else 0)
+    assert all(set(claim) >= KEYS for claim in printed["claims"])
+    assert done.stderr == b""
+    assert files_below(tmp_path) == {}

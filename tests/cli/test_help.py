@@ -1,0 +1,118 @@
+"""Help: every command has it, with an example, and it costs no heavy import."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+
+import click
+import pytest
+
+import mgs
+from mgs.cli import main
+from tests.cli.run import run
+
+HEAVY = [
+    *("numpy", "scipy", "pinocchio", "control", "matplotlib", "pybullet", "mujoco", "mcap"),
+    *("pydantic", "yaml"),
+]
+
+
+def commands(command: click.Command, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """Paths of a command and all below it, such as ("robot", "list")."""
+    yield path
+    if isinstance(command, click.Group):
+        for name, child in command.commands.items():
+            yield from commands(child, (*path, name))
+
+
+ALL = list(commands(main))
+
+
+def test_the_commands_of_the_design_are_there():
+    expected = {"generate", "info", "plot", "validate", "replay", "experiment", "schema"}
+    assert {path[0] for path in ALL if len(path) == 1} >= expected
+    assert {path[1] for path in ALL if path[:1] == ("robot",) and path[1:]} >= {
+        "list",
+        "show",
+        "check",
+    }
+
+
+@pytest.mark.parametrize("path", ALL, ids=" ".join)
+@pytest.mark.parametrize("option", ["--help", "-h"])
+def test_every_command_explains_itself_with_an_example(path: tuple[str, ...], option: str):
+    result = run(*path, option)
+    assert result.exit_code == 0
+    assert result.stderr == ""
+    lines = result.stdout.splitlines()
+    start = next(i for i, line in enumerate(lines) if line in ("  Example:", "  Examples:"))
+    assert lines[start + 1].startswith("    " + " ".join(("mgs", *path)))  # on a line of its own
+    assert "\\b" not in result.stdout
+    assert "\b" not in result.stdout
+
+
+def leaves(path: tuple[str, ...]) -> bool:
+    return not any(other[: len(path)] == path and other != path for other in ALL)
+
+
+@pytest.mark.parametrize("path", [path for path in ALL if leaves(path)], ids=" ".join)
+def test_every_example_parses(path: tuple[str, ...]):
+    """Each example line names options that its command has; nothing of it is run."""
+    command: click.Command = main
+    for name in path:
+        assert isinstance(command, click.Group)
+        command = command.commands[name]
+    lines = (line.strip().partition(" > ")[0].split() for line in (command.help or "").split("\n"))
+    examples = [line[1 + len(path) :] for line in lines if line[:1] == ["mgs"]]
+    assert examples
+    known = {option for parameter in command.params for option in parameter.opts}
+    for example in examples:
+        assert {word for word in example if word.startswith("-")} <= known
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["generate", "--help"], ["--version"], []])
+def test_help_imports_nothing_heavy(arguments: list[str]):
+    """Asked of a new interpreter by name: a time would say nothing on a busy machine."""
+    script = f"""
+import sys
+from mgs.cli import main
+try:
+    main({arguments!r}, prog_name="mgs")
+except SystemExit:
+    pass
+loaded = {{name.partition(".")[0] for name in sys.modules}}
+print("LOADED", *sorted(loaded & set({HEAVY!r})))
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.splitlines()[-1] == "LOADED"
+
+
+def test_the_version_is_the_packages():
+    assert run("--version").stdout == f"mgs, version {mgs.__version__}\n"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["fly"],
+        ["robot", "fly"],
+        ["generate"],
+        ["--fly"],
+        ["generate", "melson/walk_5cm", "--fly"],
+        ["generate", "melson/walk_5cm", "melson/walk_arc"],
+        ["generate", "melson/walk_5cm", "--set"],
+        ["schema", "motion"],
+        ["experiment", "fly"],
+        ["robot", "show"],
+    ],
+    ids=" ".join,
+)
+def test_wrong_usage_is_told_on_stderr_with_exit_code_two(arguments: list[str]):
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert "Error: " in result.stderr

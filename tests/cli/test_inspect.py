@@ -1,0 +1,59 @@
+"""mgs info and mgs plot."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+from mgs.motion_file import read_info
+from tests.cli.run import files_below, run
+
+
+def test_info_prints_what_the_file_says_of_itself(walk_file: Path):
+    result = run("info", walk_file, "--json")
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert json.loads(result.stdout) == read_info(walk_file)
+
+
+def test_info_in_words_names_topics_and_attachments(walk_file: Path):
+    result = run("info", walk_file)
+    assert (result.exit_code, result.stderr) == (0, "")
+    content = read_info(walk_file)
+    for topic in content["topics"]:
+        assert f"  {topic['topic']}, {topic['type']}, {topic['messages']}\n" in result.stdout
+    for text in ("robot: melson", "gait: walk_practical", "robot.urdf", "samples: 351"):
+        assert text in result.stdout
+
+
+def test_a_reader_that_goes_away_early_is_no_error(walk_file: Path):
+    """As in `mgs info walk.mcap | head -1`."""
+    script = "from mgs.cli import main; main(prog_name='mgs')"
+    command = [sys.executable, "-c", script, "info", str(walk_file)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None and process.stderr is not None
+        process.stdout.close()
+        assert process.stderr.read() == b""
+
+
+def test_plot_draws_and_does_not_overwrite(walk_file: Path, tmp_path: Path):
+    plots = tmp_path / "new" / "plots"
+    result = run("plot", walk_file, "-o", plots, "--json")
+    assert (result.exit_code, result.stderr) == (0, "")
+    drawn = json.loads(result.stdout)
+    assert drawn["file"] == str(walk_file)
+    assert sorted(drawn["plots"]) == sorted(str(path) for path in plots.iterdir())
+    assert all(path.endswith(".png") for path in drawn["plots"])
+    before = files_below(tmp_path)
+    again = run("plot", walk_file, "-o", plots)
+    assert (again.exit_code, again.stdout) == (1, "")
+    assert "--force" in again.stderr
+    assert files_below(tmp_path) == before
+
+
+def test_a_file_where_the_folder_should_be_is_a_usage_error(walk_file: Path, tmp_path: Path):
+    (tmp_path / "plots").write_text("mine")
+    result = run("plot", walk_file, "-o", tmp_path / "plots")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert files_below(tmp_path) == {"plots": b"mine"}

@@ -1,0 +1,224 @@
+"""mgs validate and mgs replay: JSON for scripts, words for people, verdicts as exit codes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mgs.checks import check_motion
+from mgs.motion_file import read_motion
+from mgs.sim import available_engines
+from tests.cli.run import files_below, run, run_process
+
+CHECK_KEYS = {"name", "ok", "value", "limit", "unit", "time", "where"}
+REPLAY_KEYS = {
+    *("engine", "fell", "fall_time", "distance", "planned_distance", "yaw_error_deg"),
+    *("max_tilt_deg", "joint_error_rms_deg", "torque_saturation", "sole_slip_max", "wall_seconds"),
+}
+ENGINES = available_engines()
+needs_mujoco = pytest.mark.skipif("mujoco" not in ENGINES, reason="MuJoCo is not installed")
+
+
+def checked(verdict: dict[str, Any]) -> None:
+    """The shape of a verdict, and that it follows from its checks."""
+    assert set(verdict) >= {"file", "verdict", "checks", "replays", "monte_carlo"}
+    for check in verdict["checks"]:
+        assert set(check) >= CHECK_KEYS
+        assert type(check["ok"]) is bool
+        assert type(check["value"]) is float
+    passed = all(check["ok"] for check in verdict["checks"])
+    assert verdict["verdict"] == ("pass" if passed else "fail")
+    assert verdict["monte_carlo"] is None
+    for replay in verdict["replays"]:
+        replayed(replay)
+
+
+def replayed(replay: dict[str, Any]) -> None:
+    assert set(replay) >= REPLAY_KEYS
+    assert type(replay["fell"]) is bool
+    assert (replay["fall_time"] is None) == (not replay["fell"])
+    assert [len(replay[key]) for key in ("distance", "planned_distance")] == [2, 2]
+
+
+# --- validate ---------------------------------------------------------------------------------
+
+
+def test_a_sound_motion_passes_its_static_checks(walk_file: Path):
+    result = run("validate", walk_file, "--physics", "none", "--json")
+    assert (result.exit_code, result.stderr) == (0, "")
+    verdict = json.loads(result.stdout)
+    checked(verdict)
+    assert (verdict["file"], verdict["verdict"], verdict["replays"]) == (str(walk_file), "pass", [])
+    expected = [check.name for check in check_motion(read_motion(walk_file))]
+    assert [check["name"] for check in verdict["checks"]] == expected
+
+
+def test_the_verdict_in_words_says_what_it_does_not_know(walk_file: Path):
+    result = run("validate", walk_file, "--physics", "none")
+    assert (result.exit_code, result.stderr) == (0, "")
+    lines = result.stdout.splitlines()
+    assert lines[-1] == "PASS"
+    assert lines[-2] == "no physics: nothing is said about falling"
+    assert all(line.startswith("ok   ") for line in lines[:-2])
+
+
+def test_a_motion_that_leans_off_its_soles_fails(falling_file: Path):
+    result = run("validate", falling_file, "--physics", "none", "--json")
+    assert (result.exit_code, result.stderr) == (1, "")
+    verdict = json.loads(result.stdout)
+    checked(verdict)
+    failed = {check["name"] for check in verdict["checks"] if not check["ok"]}
+    assert verdict["verdict"] == "fail"
+    assert "zmp_margin" in failed
+    words = run("validate", falling_file, "--physics", "none")
+    assert words.exit_code == 1
+    assert words.stdout.splitlines()[-1].startswith("FAIL: ")
+    for name in failed:
+        assert f"FAIL {name}" in words.stdout
+
+
+def test_every_engine_prints_json_and_nothing_else(walk_file: Path, tmp_path: Path):
+    """On real file descriptors: engines print from C when they are imported or load a robot."""
+    done = run_process("validate", walk_file, "--json", cwd=tmp_path)
+    assert done.returncode == 0
+    verdict = json.loads(done.stdout)
+    checked(verdict)
+    assert [replay["engine"] for replay in verdict["replays"]] == list(ENGINES)
+    names = {check["name"] for check in verdict["checks"]}
+    for engine in ENGINES:
+        assert names >= {f"{engine}_{figure}" for figure in ("upright", "position", "yaw")}
+    assert files_below(tmp_path) == {}  # no log of an engine either
+
+
+@needs_mujoco
+def test_a_fall_is_a_failed_verdict(falling_file: Path):
+    result = run("validate", falling_file, "--physics", "mujoco", "--json")
+    assert result.exit_code == 1
+    verdict = json.loads(result.stdout)
+    checked(verdict)
+    assert verdict["replays"][0]["fell"]
+    failed = {check["name"] for check in verdict["checks"] if not check["ok"]}
+    assert "mujoco_upright" in failed
+
+
+@pytest.mark.parametrize(
+    "physics", ["", "gazebo", "mujoco,gazebo", "none,mujoco", "mujoco,mujoco", "MuJoCo", ","]
+)
+def test_unknown_physics_is_a_usage_error(walk_file: Path, physics: str):
+    result = run("validate", walk_file, "--physics", physics)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "--physics" in result.stderr
+    assert "pybullet, mujoco, or none" in result.stderr
+
+
+def test_without_any_engine_validate_asks_for_none(walk_file: Path, monkeypatch):
+    monkeypatch.setattr("mgs.sim.available_engines", lambda: ())
+    result = run("validate", walk_file)
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert "install mujoco or pybullet" in result.stderr
+    assert run("validate", walk_file, "--physics", "none").exit_code == 0
+
+
+# --- replay -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_replay_prints_json_and_nothing_else(walk_file: Path, tmp_path: Path, engine: str):
+    done = run_process("replay", walk_file, "--engine", engine, "--json", cwd=tmp_path)
+    assert done.returncode == 0
+    replay = json.loads(done.stdout)
+    replayed(replay)
+    assert (replay["engine"], replay["fell"]) == (engine, False)
+    assert replay["distance"] == pytest.approx(replay["planned_distance"], abs=0.02)
+    assert files_below(tmp_path) == {}
+
+
+@needs_mujoco
+def test_a_fall_is_exit_code_one(falling_file: Path):
+    result = run("replay", falling_file, "--engine", "mujoco", "--json")
+    assert result.exit_code == 1
+    replay = json.loads(result.stdout)
+    replayed(replay)
+    assert replay["fell"]
+    assert 0.0 < replay["fall_time"] < 4.6  # the motion and one second
+    words = run("replay", falling_file, "--engine", "mujoco")
+    assert words.exit_code == 1
+    assert f"FELL at {replay['fall_time']:.2f} s" in words.stdout
+
+
+@needs_mujoco
+def test_settings_of_a_replay_are_those_asked_for(walk_file: Path):
+    options = ("--step", "0.002", "--iterations", "20", "--friction", "0.7")
+    result = run("replay", walk_file, "--engine", "mujoco", *options, "--json")
+    assert result.exit_code == 0
+    settings = json.loads(result.stdout)["settings"]
+    assert {key: settings[key] for key in ("dt", "iterations", "friction")} == {
+        "dt": 0.002,
+        "iterations": 20,
+        "friction": 0.7,
+    }
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--engine", "gazebo"),
+        *(("--step", value) for value in ("nan", "inf", "0", "-0.001", "1", "fast")),
+        *(("--friction", value) for value in ("nan", "inf", "-1", "rough")),
+        *(("--iterations", value) for value in ("0", "1.5", "many", "1000000")),
+    ],
+    ids=" ".join,
+)
+def test_bad_settings_of_a_replay_are_usage_errors(walk_file: Path, options: tuple[str, str]):
+    result = run("replay", walk_file, *options)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert options[0] in result.stderr
+
+
+# --- motion files that are none ----------------------------------------------------------------
+
+COMMANDS = {
+    "info": ("info",),
+    "validate": ("validate", "--physics", "none"),
+    "replay": ("replay",),
+    "plot": ("plot", "-o", "plots"),
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("kind", ["empty", "text", "zeros", "head", "tail cut", "byte changed"])
+def test_a_malformed_motion_file_is_refused(
+    command: str, kind: str, walk_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
+    good = walk_file.read_bytes()
+    middle = len(good) // 2
+    content = {
+        "empty": b"",
+        "text": b"mgs: 1\n",
+        "zeros": bytes(4096),
+        "head": good[:8],
+        "tail cut": good[:-100],
+        "byte changed": good[:middle] + bytes([good[middle] ^ 0xFF]) + good[middle + 1 :],
+    }[kind]
+    (tmp_path / "bad.mcap").write_bytes(content)
+    name, *options = COMMANDS[command]
+    for extra in ((), ("--json",)):
+        result = run(name, "bad.mcap", *options, *extra)
+        assert (result.exit_code, result.stdout) == (2, "")
+        assert result.stderr.startswith("Error: bad.mcap: ")
+        assert len(result.stderr.splitlines()) <= 3
+    assert files_below(tmp_path) == {"bad.mcap": content}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_missing_motion_file_is_a_usage_error(command: str, tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    name, *options = COMMANDS[command]
+    for file in ("nowhere.mcap", "."):
+        result = run(name, file, *options)
+        assert (result.exit_code, result.stdout) == (2, "")
+        assert file in result.stderr

@@ -1,0 +1,397 @@
+"""The closed-loop IK: exact on its tasks, downhill in its null space, honest about its limits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from numpy.testing import assert_allclose
+
+from mgs.com_generator import ComTrajectory, generate_com
+from mgs.contact import Side, Support
+from mgs.errors import ConfigError, IkError, InfeasibleGaitError, JointLimitError
+from mgs.gait import Gait, IkParameters, load_gait
+from mgs.ik_solver import SOLVERS, JointTrajectory, solve_ik
+from mgs.ik_solver.clik import ClosedLoopIk, gravity_gain_profile, rest_profile
+from mgs.ik_solver.tree_tasks import TreeTasks
+from mgs.motion_planner import plan_motion
+from mgs.pipeline import Stages, generate
+from mgs.robot import Robot, build_robot
+from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
+from tests.strategies import walk_gait
+
+SHORT = {"n_steps": 2, "step_length": 0.05, "first_support": "left", "double_support": 0.5}
+
+
+def inputs(robot: Robot, gait: Gait) -> tuple[TaskTrajectory, ComTrajectory]:
+    tasks = plan_trajectories(plan_motion(robot, gait))
+    return tasks, generate_com(tasks, gait.com)
+
+
+def solve(robot: Robot, gait: Gait) -> JointTrajectory:
+    return solve_ik(robot, *inputs(robot, gait), gait.ik)
+
+
+def joint_hessian_cost(robot: Robot, angles: np.ndarray) -> np.ndarray:
+    """H_joint of the paper at angles (..., n)."""
+    middle, width = 0.5 * (robot.upper + robot.lower), robot.upper - robot.lower
+    return 0.5 * np.sum(((angles - middle) / width) ** 2, axis=-1)
+
+
+def gravity_cost(robot: Robot, side: Side, joints: np.ndarray) -> float:
+    """1/2 tau^T tau by virtual work on the floating-base robot, whose sole is held level."""
+    model, data = robot.model, robot.model.createData()
+    q = np.concatenate([pin.neutral(model)[:7], joints])
+    pin.framesForwardKinematics(model, data, q)
+    q[:7] = pin.SE3ToXYZQUAT(data.oMf[robot.sole_frames[side]].inverse())
+    pin.computeJointJacobians(model, data, q)
+    J = pin.getFrameJacobian(model, data, robot.sole_frames[side], pin.LOCAL)
+    g = pin.computeGeneralizedGravity(model, data, q)
+    tau = g[6:] - np.linalg.solve(J[:, :6], J[:, 6:]).T @ g[:6]
+    return 0.5 * float(tau @ tau)
+
+
+def gradient(function, x: np.ndarray, step: float = 1e-5) -> np.ndarray:
+    out = np.empty(len(x))
+    for j in range(len(x)):
+        ahead, behind = x.copy(), x.copy()
+        ahead[j] += step
+        behind[j] -= step
+        out[j] = (function(ahead) - function(behind)) / (2.0 * step)
+    return out
+
+
+# --- tasks ------------------------------------------------------------------------------------
+
+
+def test_every_shipped_gait_meets_its_tasks_at_every_sample(shipped):
+    """By forward kinematics of the floating-base robot, against what stages 2 and 3 asked."""
+    robot, stages = shipped.robot, shipped.stages
+    model, data, tasks = robot.model, robot.model.createData(), stages.tasks
+    for k, q in enumerate(stages.motion.q):
+        pin.framesForwardKinematics(model, data, q)
+        com = stages.com.position[k]
+        assert np.linalg.norm(pin.centerOfMass(model, data, q) - com) < 2e-4  # [m]
+        for side in Side:
+            sole, asked = data.oMf[robot.sole_frames[side]], tasks.soles[k, side]
+            assert np.linalg.norm(sole.translation - asked[:3]) < 1e-4
+            turn = pin.log3(sole.rotation.T @ pin.Quaternion(asked[3:]).matrix())
+            assert np.linalg.norm(turn) < np.radians(0.01)
+            hand = data.oMf[robot.hand_frames[side]].translation
+            assert np.linalg.norm(hand - com - tasks.hands[k, side]) < 1e-4
+
+
+def test_every_shipped_gait_stays_within_its_joint_limits(shipped):
+    angles = shipped.stages.joints.angles
+    assert np.all((angles >= shipped.robot.lower) & (angles <= shipped.robot.upper))
+
+
+def test_every_shipped_gait_starts_and_ends_at_rest(shipped):
+    angles, dt = shipped.stages.joints.angles, shipped.gait.dt
+    for speed in (angles[1] - angles[0], angles[-1] - angles[-2]):
+        assert np.abs(speed / dt).max() < 5e-3  # [rad/s]; one encoder tick in a second
+
+
+def test_joints_do_not_jump_where_the_support_changes(shipped):
+    """There the tree changes its root: nothing of that may show in angles or speeds.
+
+    Within a phase the largest change of speed from sample to sample is that of the motion itself.
+    """
+    angles, dt, support = (
+        shipped.stages.joints.angles,
+        shipped.gait.dt,
+        shipped.stages.tasks.support,
+    )
+    speed = np.diff(angles, axis=0) / dt
+    change = np.abs(np.diff(speed, axis=0)).max(axis=1)
+    assert np.abs(np.diff(angles, axis=0)).max() < 6.3 * dt  # [rad] at the servos' top speed
+    # a root changes at the beginning of a double support phase
+    switches = np.flatnonzero(np.diff(shipped.stages.tasks.root)) + 1
+    assert len(switches)
+    away = np.ones(len(change), dtype=bool)
+    for k in np.flatnonzero(np.diff(support)) + 1:
+        away[max(k - 3, 0) : k + 2] = False
+    for k in switches:
+        assert change[k - 2 : k + 1].max() <= 1.5 * change[away].max()
+
+
+def test_the_pose_of_the_first_sample_meets_its_tasks_before_any_motion(walk_5cm: Stages):
+    motion = walk_5cm.motion
+    assert np.linalg.norm(motion.com[0] - motion.com_ref[0]) < 1e-9
+    assert np.linalg.norm(motion.soles[0] - motion.soles_ref[0]) < 1e-9
+
+
+@pytest.mark.parametrize(
+    "gains", [{}, {"gamma_joint": 0.0}, {"gamma_joint": 5.0}, {"gamma_grav": 1.6}]
+)
+def test_the_secondary_task_does_not_disturb_the_tasks(melson: Robot, gains: dict[str, float]):
+    stages = generate(melson, walk_gait(**SHORT, ik=gains))
+    assert np.abs(stages.motion.com - stages.motion.com_ref).max() < 2e-4
+    assert np.abs(stages.motion.soles - stages.motion.soles_ref).max() < 1e-4
+
+
+def test_without_newton_updates_the_feedback_alone_keeps_errors_from_piling_up(melson: Robot):
+    """The paper's method, one linear step a sample, leaves what the step's curvature makes."""
+    once = generate(melson, walk_gait(**SHORT, ik={"iterations": 0}))
+    assert once.joints.newton_updates == 0
+    error = np.linalg.norm(once.motion.com - once.motion.com_ref, axis=1)
+    assert error.max() < 1e-4
+    assert error[-1] < 1e-6  # at rest the feedback has caught up
+    more = generate(melson, walk_gait(**SHORT, ik={"iterations": 2}))
+    assert more.joints.newton_updates == 2 * len(more.joints.angles)
+    assert np.abs(more.motion.com - more.motion.com_ref).max() < 1e-9
+
+
+# --- null space -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("side", list(Side))
+@pytest.mark.parametrize("gains", [(1.0, 0.0), (0.0, 1.0), (0.35, 1.6)])
+def test_one_step_is_the_projected_gradient_plus_the_least_norm_correction(
+    melson: Robot, side: Side, gains: tuple[float, float]
+):
+    """The paper's step, from gradients that are differences and a J^+ by singular values.
+
+    dq = J^+ e - dt P (gamma_joint grad H_joint + gamma_grav grad H_grav), P = I - J^+ J.
+
+    The solver stands still on one sole for four samples; at the third the CoM moves a little.
+    """
+    gamma_joint, gamma_grav = gains
+    tuning = IkParameters(
+        gamma_joint=gamma_joint, gamma_grav=gamma_grav, gamma_grav_ramp=1e-4, iterations=0
+    )
+    n, dt = 4, 0.01
+    walk = inputs(melson, walk_gait(n_steps=1))[0]
+    com = np.tile([0.002, 0.045 * side.sign, walk.com_height[0] - 0.005], (n, 1))
+    com[2] += [1e-4, 2e-4, -1e-4]
+    support = np.full(n, Support.single(side), np.int8)
+    tasks = TaskTrajectory(
+        dt=dt,
+        support=support,
+        root=np.full(n, side, np.int8),
+        zmp_ref=com[:, :2],
+        load_left=np.full(n, 1.0 - side),
+        soles=np.tile(walk.soles[0], (n, 1, 1)),
+        hands=np.tile(walk.hands[0], (n, 1, 1)),
+        com_height=com[:, 2],
+    )
+    flat = np.zeros_like(com)
+    angles = solve_ik(melson, tasks, ComTrajectory(com, flat, flat, com[:, :2]), tuning).angles
+
+    start = angles[1]
+    tree = TreeTasks(melson, side)
+    tree.place(pin.XYZQUATToSE3(tasks.soles[0, side]))
+    tree.update(start[tree.order])
+    J = np.empty((15, melson.n))
+    J[:, tree.order] = tree.J
+    error = np.empty(15)
+    hands = com[2] + tasks.hands[2]
+    target = np.concatenate([tasks.soles[2, side.other, :3], hands[1], hands[0], com[2]])
+    error[:12] = target - tree.f
+    error[12:] = pin.log3(tree.R.T)  # the soles shall be level and point ahead
+    J_pinv = np.linalg.pinv(J)
+    # W = s^2 I relates the gain to the robot's weight and height
+    s = 0.70 / (melson.mass * com[0, 2])
+    downhill = gamma_joint * gradient(lambda q: joint_hessian_cost(melson, q), start)
+    downhill += gamma_grav * s**2 * gradient(lambda q: gravity_cost(melson, side, q), start)
+    P = np.eye(melson.n) - J_pinv @ J
+    expected = J_pinv @ error - dt * P @ downhill
+    # the damping of 1e-6 (singular values down to 1e-2) and the differences leave 1e-8 of it
+    assert_allclose(angles[2] - start, expected, atol=1e-6 * np.abs(expected).max() + 1e-11)
+    assert np.abs(dt * P @ downhill).max() > 1e-6  # there was something to project
+
+
+def test_the_null_space_motion_changes_tasks_only_to_second_order(melson: Robot):
+    """Twice the gain may cost four times the error, never twice."""
+    errors = []
+    for gamma in (2.0, 4.0):
+        stages = generate(melson, walk_gait(**SHORT, ik={"gamma_joint": gamma, "iterations": 0}))
+        error = np.abs(stages.motion.com - stages.motion.com_ref)[30:150].max()  # at rest
+        errors.append(error)
+    assert errors[0] < 1e-7
+    assert errors[1] < 5.0 * errors[0]
+
+
+def test_the_joint_gradient_pulls_towards_the_middle_of_the_ranges(melson: Robot):
+    costs = []
+    for gamma in (0.0, 0.35, 3.0):
+        angles = solve(melson, walk_gait(**SHORT, ik={"gamma_joint": gamma})).angles
+        costs.append(joint_hessian_cost(melson, angles).mean())
+    assert costs[0] > costs[1] > costs[2]
+
+
+def test_the_gravity_gradient_lowers_the_torques_in_single_support(melson: Robot):
+    """Scenario S3 of the paper against S1."""
+    costs = []
+    for gamma in (0.0, 1.6):
+        gait = load_gait("melson/walk_5cm", ("ik.gamma_joint=0", f"ik.gamma_grav={gamma}"))
+        angles = solve(melson, gait).angles
+        # the left sole carries from sample 300 to 540
+        costs.append(np.mean([gravity_cost(melson, Side.LEFT, q) for q in angles[330:510:20]]))
+    assert costs[1] < 0.98 * costs[0]
+
+
+def test_gamma_grav_means_the_same_on_a_robot_twice_as_heavy(melson: Robot):
+    """W = s^2 I takes the square of the torques' size out again."""
+    urdf = melson.urdf
+    for value in ("mass value", "ixx", "iyy", "izz", "ixy", "ixz", "iyz"):
+        parts = urdf.split(f'{value}="')
+        scaled = [parts[0]]
+        for part in parts[1:]:
+            number, rest = part.split('"', 1)
+            scaled.append(f'{2.0 * float(number)!r}"{rest}')
+        urdf = f'{value}="'.join(scaled)
+    heavy = build_robot(melson.yaml, urdf, "heavy")
+    assert heavy.mass == pytest.approx(2.0 * melson.mass)
+    gait = walk_gait(**SHORT, ik={"gamma_grav": 1.6})
+    assert_allclose(solve(heavy, gait).angles, solve(melson, gait).angles, atol=1e-9)
+
+
+# --- profiles ---------------------------------------------------------------------------------
+
+
+def test_the_gravity_gain_is_off_in_double_support_and_ramps_at_both_ends_of_single_support():
+    support = np.repeat([0, 1, 0, 2, 0], [30, 100, 20, 60, 40]).astype(np.int8)
+    dt, ramp = 0.01, 0.2
+    gain = gravity_gain_profile(support, dt, ramp)
+    assert np.all(gain[support == Support.DOUBLE] == 0.0)
+    for start, end in ((30, 130), (150, 210)):
+        k = np.arange(start, end)
+        since, until = (k - start) * dt, (end - k) * dt
+        expected = np.interp(np.minimum(since, until), [0.0, ramp], [0.0, 1.0])
+        assert_allclose(gain[start:end], expected, atol=1e-12)
+        assert gain[start:end].max() == 1.0
+    assert np.abs(np.diff(gain)).max() <= dt / ramp + 1e-12  # continuous
+
+
+@pytest.mark.parametrize("first", [0, 1, 2])
+def test_a_single_support_shorter_than_two_ramps_gets_a_gain_without_a_step(first: int):
+    support = np.repeat([first, 0, 2], [5, 20, 10]).astype(np.int8)
+    gain = gravity_gain_profile(support, 0.01, 0.2)
+    assert gain.min() == 0.0 and gain.max() <= 1.0
+    assert np.abs(np.diff(gain[5:])).max() <= 0.2 + 1e-12  # up and down within ten samples
+
+
+def test_null_space_motion_starts_and_ends_at_rest():
+    profile = rest_profile(1001, 0.01, 0.2)
+    k = np.arange(1001)
+    expected = np.interp(np.minimum(k, 1000 - k) * 0.01, [0.0, 0.2], [0.0, 1.0])
+    assert_allclose(profile, expected, atol=1e-12)
+
+
+# --- refusals ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("walk", [{"com_height": 0.30}, {"step_length": 0.3}, {"step_width": 0.25}])
+def test_a_gait_out_of_reach_is_refused_with_time_and_task(melson: Robot, walk: dict[str, float]):
+    with pytest.raises(IkError) as caught:
+        solve(melson, walk_gait(**SHORT | walk))
+    error = caught.value
+    assert isinstance(error, InfeasibleGaitError) and error.exit_code == 1
+    assert error.task in ("swing sole", "left hand", "right hand", "CoM", "swing sole orientation")
+    assert error.residual > error.tolerance
+    assert 0.0 <= error.t <= 8.0
+    assert f"t = {error.t:.3f} s" in str(error) and error.task in str(error)
+    assert "try" in str(error)
+
+
+def test_a_com_above_the_legs_is_refused_at_once(melson: Robot):
+    with pytest.raises(IkError) as caught:
+        solve(melson, walk_gait(**SHORT, com_height=0.30))
+    assert caught.value.t == 0.0
+
+
+LIMITED = SHORT | {"step_height": 0.2}  # too high for a knee that bends by 130 deg
+
+
+def test_a_joint_beyond_its_limit_is_refused_by_name(melson: Robot):
+    gait = walk_gait(**LIMITED, ik={"gamma_joint": 0.0})
+    with pytest.raises(JointLimitError) as caught:
+        solve(melson, gait)
+    error = caught.value
+    j = melson.joint_names.index(error.joint)
+    assert not melson.lower[j] <= error.position <= melson.upper[j]
+    for part in (f"t = {error.t:.3f} s", error.joint, "ik.on_limit"):
+        assert part in str(error)
+
+
+def test_on_request_a_joint_beyond_its_limit_is_recorded(melson: Robot):
+    refused = walk_gait(**LIMITED, ik={"gamma_joint": 0.0})
+    with pytest.raises(JointLimitError) as caught:
+        solve(melson, refused)
+    recorded = walk_gait(**LIMITED, ik={"gamma_joint": 0.0, "on_limit": "record"})
+    angles = solve(melson, recorded).angles
+    outside = (angles < melson.lower) | (angles > melson.upper)
+    k, j = np.argwhere(outside)[0]
+    assert k * recorded.dt == pytest.approx(caught.value.t)
+    assert melson.joint_names[j] == caught.value.joint
+    assert angles[k, j] == caught.value.position
+
+
+@pytest.mark.parametrize("gamma", [200.0, 1000.0])
+def test_a_gravity_gain_that_would_overshoot_is_refused_with_the_largest_allowed(
+    melson: Robot, gamma: float
+):
+    gait = walk_gait(**SHORT, ik={"gamma_grav": gamma, "gamma_joint": 0.0})
+    with pytest.raises(ConfigError, match=r"ik\.gamma_grav: .* too stiff") as caught:
+        solve(melson, gait)
+    allowed = float(str(caught.value).split("below ")[1].split(",")[0])
+    assert allowed < gamma
+    below = {"gamma_grav": 0.99 * allowed, "on_limit": "record"}
+    assert np.all(np.isfinite(solve(melson, walk_gait(**SHORT, ik=below)).angles))
+
+
+# --- the rest ---------------------------------------------------------------------------------
+
+
+def test_the_solution_is_the_same_bit_for_bit_twice(melson: Robot):
+    gait = walk_gait(**SHORT, ik={"gamma_grav": 1.6})
+    first, second = solve(melson, gait), solve(melson, gait)
+    assert first.angles.tobytes() == second.angles.tobytes()
+    assert first.newton_updates == second.newton_updates
+
+
+def test_solving_leaves_robot_and_tasks_alone(melson: Robot):
+    tasks, com = inputs(melson, walk_gait(**SHORT))
+    before = [x.copy() for x in (melson.posture, tasks.soles, tasks.hands, com.position)]
+    solve_ik(melson, tasks, com, IkParameters(gamma_grav=1.6))
+    after = (melson.posture, tasks.soles, tasks.hands, com.position)
+    assert all(np.array_equal(a, b) for a, b in zip(before, after, strict=True))
+
+
+def test_a_mirrored_walk_has_mirrored_joint_angles(melson: Robot):
+    left = solve(melson, walk_gait(**SHORT, step_yaw=0.1, ik={"gamma_grav": 1.6})).angles
+    mirrored = SHORT | {"first_support": "right", "step_yaw": -0.1}
+    right = solve(melson, walk_gait(**mirrored, ik={"gamma_grav": 1.6})).angles
+    for i, name in enumerate(melson.joint_names):
+        swapped = name.replace("left", "#").replace("right", "left").replace("#", "right")
+        sign = 1.0 if name.endswith("pitch") else -1.0
+        # rounding, kept small by the feedback
+        assert_allclose(right[:, melson.joint_names.index(swapped)], sign * left[:, i], atol=1e-8)
+
+
+def test_progress_is_told_up_to_the_last_sample(melson: Robot):
+    told: list[tuple[int, int]] = []
+    gait = walk_gait(**SHORT)
+    tasks, com = inputs(melson, gait)
+    solve_ik(melson, tasks, com, gait.ik, lambda done, total: told.append((done, total)))
+    assert told[-1] == (tasks.n_samples, tasks.n_samples)
+    assert [done for done, _ in told] == sorted(done for done, _ in told)
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_every_solver_meets_the_tasks(melson: Robot, name: str):
+    gait = walk_gait(**SHORT, ik={"solver": name})
+    stages = generate(melson, gait)
+    assert np.abs(stages.motion.com - stages.motion.com_ref).max() < 2e-4
+    assert np.abs(stages.motion.soles - stages.motion.soles_ref).max() < 1e-4
+
+
+def test_the_tuning_of_a_gait_file_reaches_the_solver():
+    parameters = IkParameters(
+        gamma_joint=1.0, gamma_grav=2.0, gamma_grav_ramp=0.3, iterations=4, on_limit="record"
+    )
+    assert ClosedLoopIk.from_parameters(parameters) == ClosedLoopIk(
+        gamma_joint=1.0, gamma_grav=2.0, gamma_grav_ramp=0.3, iterations=4, keep_limits=False
+    )
+    assert ClosedLoopIk.from_parameters(IkParameters()) == ClosedLoopIk()

@@ -1,0 +1,173 @@
+"""What may import what: the stages one way only, heavy libraries in one place each."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import mgs
+
+PACKAGE = Path(mgs.__file__).parent
+# A module, or a package as a whole, imports only what stands above it here.
+ORDER = [
+    "errors",
+    "geometry",
+    "contact",
+    "config",
+    "gait",
+    "robot",
+    "support_tree",
+    "dynamics",
+    "motion",
+    "motion_planner",
+    "trajectory_planner",
+    "com_generator",
+    "ik_solver",
+    "pipeline",
+    "motion_file",
+    "export",
+    "robot_checks",
+    "checks",
+    "sim",
+    "verdict",
+    "robustness",
+    "refine",
+    "tune",
+    "batch",
+    "library",
+    "report",
+    "experiments",
+    "cli",
+    "__main__",
+]
+STAGES = ["motion_planner", "trajectory_planner", "com_generator", "ik_solver"]
+# Libraries that one place only knows, wherever in the file the import stands.
+OWNERS = {
+    "mcap": {"motion_file"},
+    "zstandard": {"motion_file"},
+    "matplotlib": {"report"},
+    "mujoco": {"sim"},
+    "pybullet": {"sim"},
+    "yaml": {"config", "gait"},
+    "pydantic": {"config", "gait", "robot", "batch", "motion_file"},
+    "click": {"cli"},
+}
+HEAVY = ["control", "matplotlib", "mujoco", "pybullet", "pinocchio", "scipy", "mcap"]
+FILES = sorted(PACKAGE.rglob("*.py"))
+
+
+def place(path: Path) -> str:
+    """Top-level module or package of mgs that a file belongs to; the package itself is ''."""
+    first = path.relative_to(PACKAGE).parts[0]
+    return "" if first == "__init__.py" else first.removesuffix(".py")
+
+
+def module_name(path: Path) -> str:
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imports(path: Path, lazy: bool = True) -> set[str]:
+    """Modules that a file imports; those inside functions only when asked for."""
+    tree = ast.parse(path.read_text())
+    found: set[str] = set()
+    pending: list[ast.AST] = [tree]
+    while pending:
+        node = pending.pop()
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            assert node.module is not None
+            found |= {f"{node.module}.{alias.name}" for alias in node.names} | {node.module}
+        if lazy or not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            pending += ast.iter_child_nodes(node)
+    return found
+
+
+def neighbours(path: Path) -> set[str]:
+    """Other places of mgs that a file imports from."""
+    inner = {name.split(".")[1] for name in imports(path) if name.startswith("mgs.")}
+    return {name for name in inner if not name.startswith("__")} - {place(path)}
+
+
+@pytest.mark.parametrize("path", FILES, ids=module_name)
+def test_a_module_imports_only_from_above_itself(path: Path):
+    if not place(path):
+        assert not neighbours(path)
+        return
+    assert place(path) in ORDER, f"give {place(path)} its place in ORDER"
+    above = ORDER[: ORDER.index(place(path))]
+    assert neighbours(path) <= set(above)
+
+
+def test_the_stages_follow_one_another():
+    assert [name for name in ORDER if name in STAGES] == STAGES
+    for name in STAGES:
+        assert (PACKAGE / name / "__init__.py").is_file()
+
+
+def test_modules_do_not_import_one_another_in_a_circle():
+    """At import time; what a function imports when called is not counted."""
+    names = {module_name(path) for path in FILES}
+    waits = {module_name(path): imports(path, lazy=False) & names for path in FILES}
+    for name in names:  # a package's door imports its rooms; a room does not wait for the door
+        waits[name] = {other for other in waits[name] if not name.startswith(f"{other}.")} - {name}
+    while ready := {name for name, others in waits.items() if not others & waits.keys()}:
+        for name in ready:
+            del waits[name]
+    assert not waits, f"these wait for one another: {sorted(waits)}"
+
+
+@pytest.mark.parametrize("library", OWNERS)
+def test_a_heavy_or_dangerous_library_is_known_in_one_place(library: str):
+    users = {
+        place(path)
+        for path in FILES
+        if any(name.split(".")[0] == library for name in imports(path))
+    }
+    assert users <= OWNERS[library]
+
+
+def test_only_gaits_robots_and_batches_are_read_from_yaml():
+    readers = {place(path) for path in FILES if "mgs.config.parse_yaml" in imports(path)}
+    assert readers <= {"gait", "robot", "batch"}
+
+
+@pytest.mark.parametrize("name", ["mgs", "mgs.cli"])
+def test_importing_the_command_line_loads_no_heavy_library(name: str):
+    """In a fresh interpreter, so that `mgs --help` is instant."""
+    code = f"import sys, {name}; print(*{{m.split('.')[0] for m in sys.modules}} & set({HEAVY}))"
+    run = subprocess.run(
+        [sys.executable, "-c", code], cwd=PACKAGE.parent, capture_output=True, text=True, timeout=60
+    )
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.split() == []
+
+
+def test_importing_the_pipeline_loads_neither_engines_nor_plots():
+    code = "import sys, mgs.pipeline; print(*{m.split('.')[0] for m in sys.modules})"
+    run = subprocess.run(
+        [sys.executable, "-c", code], cwd=PACKAGE.parent, capture_output=True, text=True, timeout=60
+    )
+    assert run.returncode == 0, run.stderr
+    loaded = set(run.stdout.split())
+    assert not loaded & {"control", "matplotlib", "mujoco", "pybullet", "mcap", "click"}
+
+
+@pytest.mark.parametrize("path", FILES, ids=module_name)
+def test_every_module_says_what_it_is_for(path: Path):
+    text = path.read_text()
+    assert not text or ast.get_docstring(ast.parse(text))
+
+
+@pytest.mark.parametrize("stage", [*STAGES, "motion_file", "report"])
+def test_every_name_that_a_package_exports_exists(stage: str):
+    package = importlib.import_module(f"mgs.{stage}")
+    for name in package.__all__:
+        assert hasattr(package, name)
