@@ -15,7 +15,6 @@ from mgs.errors import ConfigError
 
 MAX_BYTES = 1_000_000  # no gait or robot file comes near it; keeps a wrong file from filling memory
 MAX_DEPTH = 30  # nesting of any file that we read is below 6
-MAX_PROBLEMS = 20  # told at once
 
 
 class Model(pydantic.BaseModel):
@@ -145,10 +144,8 @@ def build(model: type[M], tree: Any, source: str | Path) -> M:
         return model.model_validate(tree)
     except pydantic.ValidationError as error:
         items = error.errors(include_url=False)
-        problems = [_explain(model, item) for item in items[:MAX_PROBLEMS]]
-        if len(items) > MAX_PROBLEMS:
-            problems.append(f"and {len(items) - MAX_PROBLEMS} more problems")
-        raise ConfigError(source, problems) from error
+        problems = [_explain(model, item) for item in items[: ConfigError.MOST_TOLD]]
+        raise ConfigError(source, problems, len(items)) from error
     except RecursionError as error:
         raise ConfigError(source, "nested too deeply") from error
 

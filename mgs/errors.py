@@ -41,12 +41,22 @@ class InputError(MgsError):
 
 
 class ConfigError(InputError):
-    """A value in a file or on the command line is missing, unknown or out of range."""
+    """A value in a file or on the command line is missing, unknown or out of range.
 
-    def __init__(self, source: str | Path, problems: str | list[str]) -> None:
+    Up to `MOST_TOLD` problems are told; `n_problems` is their number where not all were collected.
+    """
+
+    MOST_TOLD = 20
+
+    def __init__(
+        self, source: str | Path, problems: str | list[str], n_problems: int | None = None
+    ) -> None:
         self.source = str(source)
         self.problems = [problems] if isinstance(problems, str) else list(problems)
-        super().__init__("\n".join(f"{self.source}: {problem}" for problem in self.problems))
+        told = self.problems[: self.MOST_TOLD]
+        more = (n_problems or len(self.problems)) - len(told)
+        lines = [*told, f"and {more} more problems"] if more else told
+        super().__init__("\n".join(f"{self.source}: {line}" for line in lines))
 
 
 class MotionFileError(InputError):

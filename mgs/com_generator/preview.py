@@ -23,7 +23,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-from mgs.com_generator.generate import GRAVITY, ComTrajectory
+from mgs.com_generator.com_trajectory import GRAVITY, ComTrajectory
 from mgs.errors import ConfigError, InfeasibleGaitError
 from mgs.gait import ComParameters
 

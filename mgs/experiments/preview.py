@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mgs.com_generator import generate_com
-from mgs.com_generator.generate import GRAVITY
+from mgs.com_generator.com_trajectory import GRAVITY
 from mgs.com_generator.preview import follow_zmp
 from mgs.contact import Support
 from mgs.experiments.claim import Claim, Progress

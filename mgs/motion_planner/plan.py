@@ -1,49 +1,11 @@
-"""The product of stage 1, and the door to the planners of each kind of motion."""
+"""The choice of the planner by the kind of motion."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-import numpy as np
-from numpy.typing import NDArray
-
-from mgs.contact import Footstep, Support
 from mgs.gait import Gait
+from mgs.motion_planner.motion_plan import MotionPlan
+from mgs.motion_planner.walk import plan_walk
 from mgs.robot import Robot
-
-Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Phase:
-    """One support phase: samples start <= k < end.
-
-    `feet` are the footsteps (left, right) under the robot when the phase begins, as indices into
-    `MotionPlan.footsteps`; in single support `target` is the one that the swing foot lands on.
-    """
-
-    start: int
-    end: int
-    support: Support
-    feet: tuple[int, int]
-    target: int | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class MotionPlan:
-    """Stage 1: what touches the ground where and when.
-
-    Phases tile samples 0 .. n_samples - 1; the last sample belongs to the last phase.
-    """
-
-    dt: float  # [s]
-    n_samples: int
-    footsteps: tuple[Footstep, ...]  # the two initial ones first, then one per step
-    phases: tuple[Phase, ...]
-    step_height: float  # [m]
-    com_height: float  # [m]
-    zmp_offset: tuple[float, float]  # forward and inward of the sole centre [m]
-    hand_offsets: Array  # (2, 3) hands from the CoM, in axes turned with the heading [m]
 
 
 def plan_motion(robot: Robot, gait: Gait) -> MotionPlan:
@@ -53,6 +15,4 @@ def plan_motion(robot: Robot, gait: Gait) -> MotionPlan:
         FootstepError: two soles would overlap.
         ConfigError: a duration does not fit the sampling period or the preview window.
     """
-    from mgs.motion_planner.walk import plan_walk
-
     return plan_walk(robot, gait)

@@ -15,7 +15,7 @@ from mgs.contact import Footstep, Side, Support
 from mgs.errors import ConfigError, FootstepError
 from mgs.gait import Gait, WalkParameters
 from mgs.geometry import compose_planar, rectangle_gap, sole_corners
-from mgs.motion_planner.plan import MotionPlan, Phase
+from mgs.motion_planner.motion_plan import MotionPlan, Phase
 from mgs.robot import Robot, midpoint_width
 
 Array = NDArray[np.float64]

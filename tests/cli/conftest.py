@@ -30,10 +30,11 @@ def walk_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def falling_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A walk that leans forward, its CoM 70 mm ahead of where it belongs: off the soles."""
+    """Steps on the spot with the CoM 70 mm ahead of where it belongs, which is off the soles."""
     path = tmp_path_factory.mktemp("fall") / "fall.mcap"
     robot = load_robot("melson")
-    gait = load_gait(SHORT_WALK[0], tuple(a for a in SHORT_WALK[1:] if a != "--set"))
+    assignments = [word for word in SHORT_WALK[1:] if word != "--set"]
+    gait = load_gait(SHORT_WALK[0], (*assignments, "walk.step_length=0.0"))
     plan = plan_motion(robot, gait)
     tasks = plan_trajectories(plan)
     com = generate_com(tasks, gait.com)

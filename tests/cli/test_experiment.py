@@ -1,4 +1,4 @@
-"""mgs experiment: claims as JSON or words; a claim that does not hold is exit code 1."""
+"""mgs experiment: claims as JSON or words; one that does not hold is a finding, not an error."""
 
 from __future__ import annotations
 
@@ -28,14 +28,12 @@ def play(monkeypatch: pytest.MonkeyPatch, claims: list[Claim]) -> None:
     monkeypatch.setitem(EXPERIMENTS, "melson", found)
 
 
-@pytest.mark.parametrize(
-    ("claims", "exit_code"), [([HOLDS, OTHER], 0), ([HOLDS, FAILS], 1), ([OTHER], 0)]
-)
-def test_claims_as_json(monkeypatch, tmp_path: Path, claims: list[Claim], exit_code: int):
+@pytest.mark.parametrize("claims", [[HOLDS, OTHER], [HOLDS, FAILS], [OTHER]])
+def test_claims_as_json(monkeypatch, tmp_path: Path, claims: list[Claim]):
     play(monkeypatch, claims)
     monkeypatch.chdir(tmp_path)
     result = run("experiment", "melson", "--json", "--no-figures")
-    assert (result.exit_code, result.stderr) == (exit_code, "")
+    assert (result.exit_code, result.stderr) == (0, "")
     printed = json.loads(result.stdout)
     assert printed["experiment"] == "melson"
     assert [claim["holds"] for claim in printed["claims"]] == [claim.holds for claim in claims]
@@ -46,7 +44,7 @@ def test_claims_as_json(monkeypatch, tmp_path: Path, claims: list[Claim], exit_c
 def test_claims_in_words(monkeypatch):
     play(monkeypatch, [HOLDS, FAILS, OTHER])
     result = run("experiment", "melson", "--no-figures")
-    assert (result.exit_code, result.stderr) == (1, "")
+    assert (result.exit_code, result.stderr) == (0, "")
     lines = result.stdout.splitlines()
     assert [line.split()[0] for line in lines] == ["holds", "FAILS", "it", "n/a"]
 
@@ -66,8 +64,7 @@ def test_figures_go_where_they_are_told(monkeypatch, tmp_path: Path, options, fo
 def test_a_real_experiment_prints_json_and_nothing_else(tmp_path: Path):
     done = run_process("experiment", "preview", "--json", "--no-figures", cwd=tmp_path)
     printed = json.loads(done.stdout)
-    holds = [claim["holds"] for claim in printed["claims"]]
-    assert done.returncode == (1 if False in holds else 0)
+    assert (printed["experiment"], done.returncode) == ("preview", 0)
     assert all(set(claim) >= KEYS for claim in printed["claims"])
     assert done.stderr == b""
     assert files_below(tmp_path) == {}

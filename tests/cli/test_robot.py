@@ -92,7 +92,7 @@ def far_forward_soles() -> tuple[str, str]:
 
 
 def thick_arm() -> tuple[str, str]:
-    box = r'(<link name="left_forearm">.*?<box size=")[^"]*'
+    box = r'(<link name="left_forearm">.*?<collision.*?<box size=")[^"]*'
     return YAML, replaced(URDF, box, r"\g<1>0.3 0.3 0.3")
 
 

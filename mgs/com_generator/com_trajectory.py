@@ -1,0 +1,21 @@
+"""The product of stage 3."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+GRAVITY = 9.81  # [m/s^2]
+
+
+@dataclass(frozen=True, eq=False)
+class ComTrajectory:
+    """Stage 3: motion of the centre of mass; world frame, first axis time."""
+
+    position: Array  # (N, 3) [m]
+    velocity: Array  # (N, 3) [m/s]
+    acceleration: Array  # (N, 3) [m/s^2]
+    zmp: Array  # (N, 2) of the cart-table model [m]
