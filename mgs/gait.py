@@ -114,7 +114,7 @@ class Gait(Model):
 
     mgs: FormatVersion = Field(description="Version of this format.")
     robot: str | None = Field(
-        None, min_length=1, max_length=200, description="Shipped robot or a robot folder."
+        None, min_length=1, max_length=4096, description="Shipped robot or a robot folder."
     )
     motion: Literal["walk"] = Field(description="Kind of motion.")
     dt: float = Field(0.01, ge=1e-4, le=0.1, description="Sampling period [s].")

@@ -131,7 +131,7 @@ def test_a_replay_prints_json_and_nothing_else(walk_file: Path, tmp_path: Path, 
     replay = json.loads(done.stdout)
     replayed(replay)
     assert (replay["engine"], done.returncode) == (engine, 1 if replay["fell"] else 0)
-    assert replay["planned_distance"] == pytest.approx([0.05, 0.0])
+    assert replay["planned_distance"] == pytest.approx([0.05, 0.0], abs=1e-6)
     assert files_below(tmp_path) == {}
 
 

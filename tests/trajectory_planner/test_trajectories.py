@@ -64,6 +64,7 @@ def test_the_ik_changes_its_sole_only_when_both_are_down(gait: Gait):
     changes = np.flatnonzero(np.diff(tasks.root))
     assert np.all(tasks.support[changes] != tasks.support[changes + 1])  # at the edge of a phase
     assert np.all(tasks.support[changes + 1] == Support.DOUBLE)
+    assert len(changes) == gait.walk.n_steps - 1  # once between any two steps
 
 
 @pytest.mark.parametrize("coordinate", ["x", "y", "z", "yaw"])
