@@ -31,7 +31,11 @@ bench: $(VENV)/.mgs
 	$(BIN)/python benchmarks/run.py
 
 docs-figures: $(VENV)/.mgs
-	$(BIN)/python -m mgs.report.strip docs/walk.png
+	$(BIN)/python -c "from pathlib import Path; from mgs.gait import load_gait; \
+	from mgs.pipeline import generate; from mgs.report import write_picture; \
+	from mgs.robot import load_robot; \
+	walk = generate(load_robot('melson'), load_gait('melson/walk_practical')).motion; \
+	write_picture(walk, Path('docs/walk.png'), force=True)"
 
 $(VENV)/.mgs: pyproject.toml
 	$(PYTHON) -m venv $(VENV)

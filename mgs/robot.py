@@ -21,8 +21,10 @@ from mgs.errors import ConfigError
 from mgs.gait import shipped_folder
 
 Array = NDArray[np.float64]
-Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
 FLOATING_BASE_NQ, FLOATING_BASE_NV = 7, 6
+MAX_LENGTH, MAX_MASS, MAX_ANGLE = 10.0, 1e4, 100.0  # [m], [kg], [rad]; beyond: a slip of the unit
+Coordinate = Annotated[float, Field(ge=-MAX_LENGTH, le=MAX_LENGTH)]
+Vector3 = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
 
 
 class FrameSpec(Model):
@@ -35,8 +37,8 @@ class FrameSpec(Model):
 class SoleSpec(FrameSpec):
     """Contact rectangle: frame at its centre, x forward, z up."""
 
-    length: float = Field(gt=0.0, le=1.0, description="Along x [m].")
-    width: float = Field(gt=0.0, le=1.0, description="Along y [m].")
+    length: float = Field(ge=1e-3, le=1.0, description="Along x [m].")
+    width: float = Field(ge=1e-3, le=1.0, description="Along y [m].")
 
 
 class ServoSpec(Model):
@@ -189,21 +191,11 @@ def build_robot(yaml_text: str, urdf_text: str, source: str | Path) -> Robot:
     no_load_speed = np.array([servo.no_load_speed for servo in servos])
     speed_limit = np.minimum(model.velocityLimit[6:], no_load_speed)
     posture = np.array([spec.posture.get(name, 0.0) for name in names])
-    for inertia, joint in zip(model.inertias[1:], model.names[1:], strict=True):
-        if inertia.mass < 0.0:
-            problems.append(f"{spec.urdf}: the links moved by {joint} weigh {inertia.mass:g} kg")
-    if not pin.computeTotalMass(model) > 0.0:
-        problems.append(f"{spec.urdf}: no link has a mass")
-    for i, name in enumerate(names):
-        if not speed_limit[i] > 0.0:
-            problems.append(f"{spec.urdf}: joint {name}: limit velocity = {speed_limit[i]:g} rad/s")
-        if not lower[i] < upper[i]:
-            problems.append(f"{spec.urdf}: joint {name}: limits [{lower[i]}, {upper[i]}] are empty")
-        elif not lower[i] <= posture[i] <= upper[i]:
-            problems.append(
-                f"posture.{name}: {posture[i]:.4f} rad is outside the joint's range "
-                f"[{lower[i]:.4f}, {upper[i]:.4f}] in {spec.urdf}"
-            )
+    _check_bodies(spec, model, problems)
+    for name, low, high, speed, angle in zip(
+        names, lower, upper, speed_limit, posture, strict=True
+    ):
+        _check_joint(spec, name, (low, high, speed, angle), problems)
     if problems:
         raise ConfigError(source, problems)
     soles = tuple(
@@ -286,6 +278,36 @@ def _check_names(
         problems += [
             f"{key}: {spec.urdf} has no joint {name!r}" for name in members if name not in names
         ]
+
+
+def _check_bodies(spec: RobotSpec, model: pin.Model, problems: list[str]) -> None:
+    for inertia, joint in zip(model.inertias[1:], model.names[1:], strict=True):
+        if not 0.0 <= inertia.mass <= MAX_MASS:
+            problems.append(f"{spec.urdf}: the links moved by {joint} weigh {inertia.mass:g} kg")
+    for placement, joint in zip(model.jointPlacements[1:], model.names[1:], strict=True):
+        if not np.abs(placement.translation).max() <= MAX_LENGTH:
+            problems.append(
+                f"{spec.urdf}: joint {joint} is more than {MAX_LENGTH:g} m from its parent"
+            )
+    if not problems and not pin.computeTotalMass(model) > 0.0:
+        problems.append(f"{spec.urdf}: no link has a mass")
+
+
+def _check_joint(
+    spec: RobotSpec, name: str, figures: tuple[float, float, float, float], problems: list[str]
+) -> None:
+    low, high, speed, angle = figures
+    if not speed > 0.0:
+        problems.append(f"{spec.urdf}: joint {name}: limit velocity = {speed:g} rad/s")
+    if not low < high:
+        problems.append(f"{spec.urdf}: joint {name}: limits [{low}, {high}] are empty")
+    elif max(-low, high) > MAX_ANGLE:
+        problems.append(f"{spec.urdf}: joint {name}: limits beyond +-{MAX_ANGLE:g} rad")
+    elif not low <= angle <= high:
+        problems.append(
+            f"posture.{name}: {angle:.4f} rad is outside the joint's range "
+            f"[{low:.4f}, {high:.4f}] in {spec.urdf}"
+        )
 
 
 def _add_frame(model: pin.Model, name: str, spec: FrameSpec) -> int:

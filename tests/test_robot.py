@@ -298,7 +298,11 @@ def changed(old: str, new: str, text: str = YAML) -> str:
         ),
         ("link: left_foot", "link: lfoot", "soles.left.link: robot.urdf has no link 'lfoot'"),
         ("link: right_forearm", "link: hand", "hands.right.link: robot.urdf has no link 'hand'"),
-        ("length: 0.106", "length: 0.0", "soles.left.length: input should be greater than 0"),
+        (
+            "length: 0.106",
+            "length: 0.0",
+            "soles.left.length: input should be greater than or equal to 0.001",
+        ),
         ("width: 0.06", "width: .nan", "soles.left.width: input should be a finite number"),
         ("position: [0.002, 0.0, -0.036]", "position: [0.002, 0.0]", "soles.left.position: "),
         (
