@@ -21,9 +21,11 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from mgs.contact import Side
-from mgs.robot import Robot
+from mgs.robot import FLOATING_BASE_NV, Robot
 
 Array = NDArray[np.float64]
+# body of the old model -> its joint in the new one, and its pose in that joint's frame
+Placed = dict[int, tuple[int, pin.SE3]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,56 +57,67 @@ def build_support_tree(robot: Robot, side: Side) -> SupportTree:
     """Re-root a robot at its left or right sole."""
     source = robot.model
     sole = source.frames[robot.sole_frames[side]]
-    root_joint = int(sole.parentJoint)
-    model = pin.Model()
+    root = int(sole.parentJoint)
+    model, placed = pin.Model(), {root: (0, sole.placement.inverse())}
     model.gravity.linear = source.gravity.linear
-    order: list[int] = []
-    first: list[tuple[int, pin.SE3]] = []
-    # placed[j] = (joint in the new model, pose of the old frame of body j in that joint's frame)
-    placed: dict[int, tuple[int, pin.SE3]] = {root_joint: (0, sole.placement.inverse())}
-    neighbours = _neighbours(source)
-    stack = [(root_joint, neighbour) for neighbour in reversed(neighbours[root_joint])]
-    while stack:
-        here, there = stack.pop()
-        parent, T_parent_here = placed[here]
-        turned = source.parents[here] == there  # walking towards the old root
-        joint = here if turned else there
-        axis = _axis(source, joint)
-        placement = T_parent_here if turned else T_parent_here * source.jointPlacements[joint]
-        new = model.addJoint(
-            parent,
-            pin.JointModelRevoluteUnaligned(*(-axis if turned else axis)),
-            placement,
-            source.names[joint],
-        )
-        T_joint_body = source.jointPlacements[joint].inverse() if turned else pin.SE3.Identity()
-        placed[there] = (new, T_joint_body)
-        model.appendBodyToJoint(new, source.inertias[there], T_joint_body)
-        order.append(int(source.idx_vs[joint]) - 6)
-        if parent == 0:
-            first.append((new, placement))
-        stack += [(there, nxt) for nxt in reversed(neighbours[there]) if nxt != here]
-
-    def add(frame_id: int) -> int:
-        frame = source.frames[frame_id]
-        joint, T_joint_body = placed[int(frame.parentJoint)]
-        copy = pin.Frame(frame.name, joint, T_joint_body * frame.placement, pin.OP_FRAME)
-        return int(model.addFrame(copy))
-
-    inertia = sole.placement.inverse().act(source.inertias[root_joint])
-    base = source.getBodyId(robot.spec.base_link)
-    swing, hands = add(robot.sole_frames[side.other]), [add(f) for f in robot.hand_frames]
+    order = _grow(source, model, placed, root)
+    inertia = sole.placement.inverse().act(source.inertias[root])
+    base = _copy_frame(source, model, placed, source.getFrameId(robot.spec.base_link))
+    swing = _copy_frame(source, model, placed, robot.sole_frames[side.other])
+    left_hand, right_hand = (_copy_frame(source, model, placed, f) for f in robot.hand_frames)
     return SupportTree(
         side=side,
         model=model,
         order=np.array(order),
         root_mass=float(inertia.mass),
         root_com=np.array(inertia.lever),
-        first_placements=tuple(first),
+        first_placements=tuple(
+            (joint, model.jointPlacements[joint].copy())
+            for joint in range(1, model.njoints)
+            if model.parents[joint] == 0
+        ),
         swing_sole=swing,
-        hands=(hands[0], hands[1]),
-        base=add(base),
+        hands=(left_hand, right_hand),
+        base=base,
     )
+
+
+def _grow(source: pin.Model, model: pin.Model, placed: Placed, root: int) -> list[int]:
+    """Add every joint of `source` to `model`, walking outward from body `root`.
+
+    Fills `placed`, and returns the velocity index in `source` of each joint in the order added.
+    """
+    order: list[int] = []
+    neighbours = _neighbours(source)
+    stack = [(root, neighbour) for neighbour in reversed(neighbours[root])]
+    while stack:
+        here, there = stack.pop()
+        parent, T_parent_here = placed[here]
+        turned = source.parents[here] == there  # walking towards the old root
+        joint = here if turned else there
+        axis, placement = _axis(source, joint), source.jointPlacements[joint]
+        new = model.addJoint(
+            parent,
+            pin.JointModelRevoluteUnaligned(*(-axis if turned else axis)),
+            T_parent_here if turned else T_parent_here * placement,
+            source.names[joint],
+        )
+        T_joint_body = placement.inverse() if turned else pin.SE3.Identity()
+        placed[there] = (new, T_joint_body)
+        model.appendBodyToJoint(new, source.inertias[there], T_joint_body)
+        order.append(int(source.idx_vs[joint]) - FLOATING_BASE_NV)
+        stack += [
+            (there, following) for following in reversed(neighbours[there]) if following != here
+        ]
+    return order
+
+
+def _copy_frame(source: pin.Model, model: pin.Model, placed: Placed, frame_id: int) -> int:
+    """Id in `model` of a frame of `source`."""
+    frame = source.frames[frame_id]
+    joint, T_joint_body = placed[int(frame.parentJoint)]
+    copy = pin.Frame(frame.name, joint, T_joint_body * frame.placement, pin.OP_FRAME)
+    return int(model.addFrame(copy))
 
 
 def _neighbours(model: pin.Model) -> list[list[int]]:
