@@ -226,7 +226,14 @@ class _Run:
             # damping by the error (Sugihara, IEEE Trans. Robotics 27(5), 2011) settles at the
             # nearest posture where the goal is out of reach: the message then says how far it is
             q += self._least_norm(tree.J, error, 0, error.dot(error))
+        self._refuse_stiff_joint_gain()
         self._refuse_stiff_gravity_gain(tree, q)
+
+    def _refuse_stiff_joint_gain(self) -> None:
+        """Raise ConfigError where the explicit step down grad H_joint would overshoot."""
+        product = self.tasks.dt * self.tuning.gamma_joint * self.inverse_range2.max()
+        if product >= 1.0:
+            raise self._too_stiff("gamma_joint", self.tuning.gamma_joint, product)
 
     def _refuse_stiff_gravity_gain(self, tree: TreeTasks, q: Array) -> None:
         """Raise ConfigError where the explicit step down grad H_grav would overshoot."""
@@ -246,12 +253,14 @@ class _Run:
         curvature = np.linalg.eigvalsh(projector @ (0.5 * (hessian + hessian.T)) @ projector)[-1]
         product = self.tasks.dt * self.gamma_grav * curvature
         if product >= 1.0:
-            allowed = self.tuning.gamma_grav / product
-            raise ConfigError(
-                "ik.gamma_grav",
-                f"{self.tuning.gamma_grav:g} is too stiff for dt = {self.tasks.dt:g} s on "
-                f"{self.robot.spec.name}; below {allowed:.3g}, or a smaller dt",
-            )
+            raise self._too_stiff("gamma_grav", self.tuning.gamma_grav, product)
+
+    def _too_stiff(self, key: str, gain: float, product: float) -> ConfigError:
+        return ConfigError(
+            f"ik.{key}",
+            f"{gain:g} is too stiff for dt = {self.tasks.dt:g} s on {self.robot.spec.name}; "
+            f"below {gain / product:.3g}, or a smaller dt",
+        )
 
     def _refuse_misses(self, start: int, errors: Array) -> None:
         """Raise IkError at the first sample that misses a tolerance, for its worst task."""

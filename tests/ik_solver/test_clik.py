@@ -341,6 +341,16 @@ def test_a_gravity_gain_that_would_overshoot_is_refused_with_the_largest_allowed
     assert np.all(np.isfinite(solve(melson, walk_gait(**SHORT, ik=below)).angles))
 
 
+def test_a_joint_gain_that_would_overshoot_is_refused_with_the_largest_allowed(melson: Robot):
+    """An explicit step of dt gamma / range^2 >= 1 passes the middle of the tightest joint."""
+    gait = walk_gait(**SHORT)
+    allowed = (melson.upper - melson.lower).min() ** 2 / gait.dt
+    below = {"gamma_joint": 0.99 * allowed, "on_limit": "record"}
+    assert np.all(np.isfinite(solve(melson, walk_gait(**SHORT, ik=below)).angles))
+    with pytest.raises(ConfigError, match=rf"ik\.gamma_joint: .* below {allowed:.3g}"):
+        solve(melson, walk_gait(**SHORT, ik={"gamma_joint": 1.01 * allowed}))
+
+
 # --- the rest ---------------------------------------------------------------------------------
 
 
