@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from mgs.robot import FLOATING_BASE_NQ, Robot
 from mgs.sim.audit import EngineModel
-from mgs.sim.engine import Settings
 from mgs.sim.model import link_name, simulation_urdf
+from mgs.sim.settings import Settings
 
 Array = NDArray[np.float64]
 XYZW_FROM_WXYZ = [1, 2, 3, 0]

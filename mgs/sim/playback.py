@@ -20,8 +20,9 @@ from mgs.geometry import sole_corners
 from mgs.motion import Motion
 from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
 from mgs.sim.effort import Effort
-from mgs.sim.engine import Engine, Settings
+from mgs.sim.engine import Engine
 from mgs.sim.measure import angle_between
+from mgs.sim.settings import Settings
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]  # samples done, samples in all

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
 from mgs.sim.audit import EngineModel
-from mgs.sim.engine import Settings
 from mgs.sim.model import simulation_urdf
+from mgs.sim.settings import Settings
 
 Array = NDArray[np.float64]
 BASE = -1  # PyBullet's index of the base link

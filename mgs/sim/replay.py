@@ -21,9 +21,10 @@ from numpy.typing import NDArray
 from mgs.geometry import wrap_angle
 from mgs.motion import Motion
 from mgs.robot import FLOATING_BASE_NQ
-from mgs.sim.engine import DEFAULTS, EngineName, Settings, make_engine, require
+from mgs.sim.engine import make_engine, require
 from mgs.sim.measure import angle_between, largest_slip, travel
 from mgs.sim.playback import Progress, Recording, fallen, play, poses_along
+from mgs.sim.settings import DEFAULTS, EngineName, Settings
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,34 @@
+"""How a replay is simulated: engines, steps, servo gains; docs/simulation.md says why so."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+EngineName = Literal["pybullet", "mujoco"]
+ENGINES: tuple[EngineName, ...] = ("pybullet", "mujoco")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """How a replay is simulated.
+
+    The ideal servo is a spring and a damper, clipped at its stall torque:
+    torque = stall_torque * stiffness * ((q_plan - q) + damping * (v_plan - v)).
+    """
+
+    dt: float  # longest step [s]; a replay uses the next one that divides the sampling period
+    iterations: int  # of the contact solver: of PyBullet exactly, of MuJoCo at most
+    stiffness: float  # stall torques per angle [1/rad]; 300: all of it at 0.2 deg
+    damping: float  # time in which the spring goes slack against its damper [s]
+    friction: float = 1.0  # effective Coulomb coefficient of the pair sole and ground
+    settle: float = 0.5  # first posture held before the motion [s]
+    tail: float = 1.0  # last posture held after the motion [s]
+
+
+DEFAULTS: dict[EngineName, Settings] = {
+    # PyBullet's rigid motors bear a slow damper only: below 0.2 s the robot's own inertia makes the
+    # servos hunt. They yield to lasting loads alone, such as two feet that press on each other.
+    "pybullet": Settings(dt=0.001, iterations=50, stiffness=1000.0, damping=0.3),
+    "mujoco": Settings(dt=0.0005, iterations=50, stiffness=300.0, damping=0.02),
+}
