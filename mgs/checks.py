@@ -1,9 +1,9 @@
 """What can be said of a motion without simulating it.
 
 Everything is computed anew from the joint angles and the base pose, so that a file is judged by
-what its joints do, not by what it says of itself; only the torques are taken as stored, since in
-double support they rest on the planned share of the load. Nothing is averaged away: each check
-reports its worst value, when and where.
+what its joints do, not by what it says of itself; only in double support are torques taken as
+stored, since there they rest on the planned share of the load. Nothing is averaged away: each
+check reports its worst value, when and where.
 """
 
 from __future__ import annotations
@@ -59,14 +59,17 @@ class Check:
 
 def check_motion(motion: Motion, progress: Progress | None = None) -> list[Check]:
     """Every static check of a motion, worst value each."""
-    # the share of the load only matters for torques, which are not looked at here
-    body = analyse(motion.robot, motion.q, motion.dt, np.full(motion.n_samples, 0.5))
+    load_left = np.choose(motion.support, [0.5, 1.0, 0.0])  # by Support
+    body = analyse(motion.robot, motion.q, motion.dt, load_left)
+    double = motion.support[:, None] == Support.DOUBLE
+    torque = np.where(double, motion.torque, body.torque)
+    speed = np.abs(np.diff(motion.q[:, FLOATING_BASE_NQ:], axis=0)) / motion.dt
     corners = _corners_in_world(motion, body.soles)
     return [
         joint_position(motion),
-        _joint_speed(motion, body),
-        _joint_torque(motion, body),
-        _joint_torque_rms(motion),
+        _joint_speed(motion, speed),
+        _joint_torque(motion, body, torque),
+        _joint_torque_rms(motion, torque),
         _zmp_margin(motion, body),
         _self_collision(motion, progress),
         _sole_still(motion, corners),
@@ -76,7 +79,7 @@ def check_motion(motion: Motion, progress: Progress | None = None) -> list[Check
         _sole_rotation(motion, body),
         _hand_position(motion, body),
         _com_position(motion, body),
-        _rest(motion, body),
+        _rest(motion, speed),
     ]
 
 
@@ -137,26 +140,25 @@ def joint_position(motion: Motion) -> Check:
     )
 
 
-def _joint_speed(motion: Motion, body: WholeBodyMotion) -> Check:
-    robot, speed = motion.robot, np.abs(body.v[:, FLOATING_BASE_NV:])
+def _joint_speed(motion: Motion, speed: Array) -> Check:
+    """Speed (N - 1, n) from sample to sample, which is what a servo is asked for."""
+    robot = motion.robot
     return _worst_joint(
         motion, "joint_speed", speed, np.broadcast_to(robot.speed_limit, speed.shape), "rad/s"
     )
 
 
-def _joint_torque(motion: Motion, body: WholeBodyMotion) -> Check:
+def _joint_torque(motion: Motion, body: WholeBodyMotion, torque: Array) -> Check:
     """Torque against the speed-torque line; a servo that brakes has its stall torque."""
     robot, speed = motion.robot, body.v[:, FLOATING_BASE_NV:]
     line = 1.0 - np.abs(speed) / robot.no_load_speed
-    available = (
-        np.where(motion.torque * speed > 0.0, np.maximum(line, 1e-9), 1.0) * robot.torque_limit
-    )
-    return _worst_joint(motion, "joint_torque", np.abs(motion.torque), available, "N m")
+    available = np.where(torque * speed > 0.0, np.maximum(line, 1e-9), 1.0) * robot.torque_limit
+    return _worst_joint(motion, "joint_torque", np.abs(torque), available, "N m")
 
 
-def _joint_torque_rms(motion: Motion) -> Check:
+def _joint_torque_rms(motion: Motion, torque: Array) -> Check:
     robot = motion.robot
-    rms = np.sqrt(np.mean(motion.torque**2, axis=0))
+    rms = np.sqrt(np.mean(torque**2, axis=0))
     allowed = RMS_TORQUE_RATIO * robot.torque_limit
     j = int(np.argmax(rms / allowed))
     return Check(
@@ -186,7 +188,7 @@ def _zmp_margin(motion: Motion, body: WholeBodyMotion) -> Check:
 
 
 def _self_collision(motion: Motion, progress: Progress | None) -> Check:
-    """Deepest contact of two bodies that may not touch; the first found where several are."""
+    """First sample at which two bodies touch that may not."""
     robot = motion.robot
     geometry = robot.geometry
     data, geometry_data = robot.model.createData(), geometry.createData()
@@ -271,9 +273,9 @@ def _com_position(motion: Motion, body: WholeBodyMotion) -> Check:
     )
 
 
-def _rest(motion: Motion, body: WholeBodyMotion) -> Check:
-    """Fastest joint at the two ends, where the robot is taken to be at rest."""
-    ends = np.abs(body.v[[0, -1], FLOATING_BASE_NV:])
+def _rest(motion: Motion, speed: Array) -> Check:
+    """Fastest joint of speed (N - 1, n) at the two ends, where the robot is to be at rest."""
+    ends = speed[[0, -1]]
     k, j = np.unravel_index(np.argmax(ends), ends.shape)
     worst = float(ends[k, j])
     time = float(k) * motion.duration

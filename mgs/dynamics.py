@@ -28,7 +28,7 @@ class WholeBodyMotion:
     a: Array  # (N, 6 + n)
     com: Array  # (N, 3)
     zmp: Array  # (N, 2) multibody ZMP on the ground z = 0
-    torque: Array  # (N, n) [N m]
+    torque: Array  # (N, n) of the servos, their rotors' inertia included [N m]
     soles: Array  # (N, 2, 7)
     hands: Array  # (N, 2, 7)
 
@@ -86,6 +86,7 @@ def analyse(robot: Robot, q: Array, dt: float, load_left: Array) -> WholeBodyMot
     zmp = np.column_stack([-wrench[:, 4], wrench[:, 3]]) / wrench[:, 2:3]
     contacts = _share_wrench(wrench, zmp, frames[:, :2, :2], load_left)
     torque = forces[:, FLOATING_BASE_NV:] - _contact_torques(robot, q, contacts)
+    torque += robot.armature * a[:, FLOATING_BASE_NV:]  # the rotors, which are no link's inertia
     return WholeBodyMotion(q, v, a, com, zmp, torque, frames[:, :2], frames[:, 2:])
 
 

@@ -2,7 +2,7 @@
 
 MgsError                     exit code 1: the work could not be done
 ├── InputError               exit code 2: malformed or missing input
-│   ├── ConfigError          a gait, robot or sweep file, or a value on the command line
+│   ├── ConfigError          a gait or robot file, or a value on the command line
 │   └── MotionFileError      an MCAP file that is damaged or not ours
 ├── InfeasibleGaitError      the gait is well formed, but this robot cannot do it
 │   ├── FootstepError        two soles would overlap

@@ -73,7 +73,7 @@ def _symmetry(robot: Robot) -> Finding:
     data = robot.model.createData()
     com = pin.centerOfMass(robot.model, data, robot.standing_q, False)
     sideways = abs(float(com[1]))
-    worst, pair = 0.0, "groups"
+    worst, pair = 0.0, "no groups named left and right to compare"
     for group, members in robot.spec.groups.items():
         other = robot.spec.groups.get(group.replace("left", "right"), members)
         if "left" in group and other is not members:

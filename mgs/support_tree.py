@@ -62,7 +62,7 @@ def build_support_tree(robot: Robot, side: Side) -> SupportTree:
     model.gravity.linear = source.gravity.linear
     order = _grow(source, model, placed, root)
     inertia = sole.placement.inverse().act(source.inertias[root])
-    base = _copy_frame(source, model, placed, source.getFrameId(robot.spec.base_link))
+    base = _copy_frame(source, model, placed, source.getBodyId(robot.spec.base_link))
     swing = _copy_frame(source, model, placed, robot.sole_frames[side.other])
     left_hand, right_hand = (_copy_frame(source, model, placed, f) for f in robot.hand_frames)
     return SupportTree(

@@ -13,9 +13,11 @@ import numpy as np
 
 from mgs.checks import Check
 from mgs.sim import Replay
+from mgs.sim.playback import FALL_TILT
 
 POSITION_RATIO, POSITION_FLOOR = 0.10, 0.020  # of the distance; [m]
 YAW_LIMIT_DEG = 5.0
+FALL_TILT_DEG = float(np.degrees(FALL_TILT))
 SATURATION_LIMIT = 0.050  # [s] in a row
 
 
@@ -38,6 +40,7 @@ class Verdict:
             "file": self.file,
             "verdict": "pass" if self.passed else "fail",
             "checks": [check.to_dict() for check in self.checks],
+            "physics": [replay.engine for replay in self.replays],  # empty: static checks alone
             "replays": [replay.to_json() for replay in self.replays],
             "monte_carlo": None,
         }
@@ -53,8 +56,16 @@ def replay_checks(replay: Replay) -> list[Check]:
     """What a replay must show; a robot that fell is not measured further."""
     name = replay.engine
     tilt = replay.max_tilt_deg
+    sank = replay.fell and tilt <= FALL_TILT_DEG
+    where = "base below its least height" if sank else "torso"
     upright = Check(
-        f"{name}_upright", not replay.fell, tilt, 45.0, "deg of tilt", replay.fall_time, "torso"
+        f"{name}_upright",
+        not replay.fell,
+        tilt,
+        FALL_TILT_DEG,
+        "deg of tilt",
+        replay.fall_time,
+        where,
     )
     if replay.fell:
         return [upright]

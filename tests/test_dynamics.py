@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -112,7 +114,8 @@ def test_power_of_the_torques_is_the_rate_of_the_energy(any_robot: Robot, side: 
             for row, v in zip(body.q, body.v, strict=True)
         ]
     )
-    power = np.sum(body.torque * body.v[:, 6:], axis=1)
+    on_links = body.torque - any_robot.armature * body.a[:, 6:]  # the rotors keep the rest
+    power = np.sum(on_links * body.v[:, 6:], axis=1)
     rate = (energy[3:-1] - energy[1:-3]) / (2.0 * DT)
     # all differences err by (pace DT)^2 / 6, under 1e-5 of the power
     assert_allclose(power[2:-2], rate, atol=3e-5 * np.abs(power).max())
@@ -152,7 +155,7 @@ def contact_wrenches(
     """
     data = robot.model.createData()
     unexplained = pin.rnea(robot.model, data, body.q[k], body.v[k], body.a[k]).copy()
-    unexplained[6:] -= body.torque[k]
+    unexplained[6:] -= body.torque[k] - robot.armature * body.a[k, 6:]  # rotors push on no link
     pin.computeJointJacobians(robot.model, data, body.q[k])
     aligned = pin.LOCAL_WORLD_ALIGNED
     J = np.concatenate(
@@ -175,6 +178,17 @@ def test_wrenches_on_the_soles_in_contact_explain_all_equations_of_motion(walk_5
         rate = momentum_rate(motion.robot, body, k)
         weight = motion.robot.mass * np.array([0.0, 0.0, GRAVITY])
         assert_allclose(force.sum(axis=0), rate[:3] + weight, atol=1e-9)
+
+
+def test_a_rotor_asks_for_its_inertia_times_the_acceleration_of_its_joint(melson: Robot):
+    """A rotor that turns n times as fast as its joint weighs n^2 J there: tau = n^2 J qdd."""
+    q = standing_on(melson, Side.LEFT, swaying(melson))
+    bare = dataclasses.replace(melson, armature=np.zeros(melson.n))
+    with_rotors, without = (analyse(robot, q, DT, np.ones(200)) for robot in (melson, bare))
+    acceleration = np.diff(q[:, 7:], n=2, axis=0) / DT**2
+    extra = (with_rotors.torque - without.torque)[1:-1]
+    assert np.abs(extra).max() > 1e-3  # [N m]
+    assert_allclose(extra, melson.armature * acceleration, atol=1e-9)
 
 
 def test_both_soles_share_force_and_turning_moment_as_told(walk_5cm: Stages):

@@ -70,7 +70,11 @@ def generate(
     name = name.encode("utf-8", "replace").decode()  # a file name may be no text, a motion file is
 
     def work(bar: ProgressBar) -> tuple[Motion, dict[str, float]]:
-        stages = run(robot, parameters, name, progress=bar)
+        try:
+            stages = run(robot, parameters, name, progress=bar)
+        except ConfigError as error:  # a stage knows the key, not the file that it came from
+            problems = [f"{error.source}: {problem}" for problem in error.problems]
+            raise ConfigError(gait, problems) from error
         return stages.motion, stages.seconds
 
     motion, seconds = with_progress("inverse kinematics", work)

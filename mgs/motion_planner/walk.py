@@ -7,6 +7,8 @@ lands beside the other foot.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
@@ -82,7 +84,10 @@ def _refuse_overlap(robot: Robot, footsteps: tuple[Footstep, ...], walk: WalkPar
             first = 0  # the first swing foot is the right one: its neighbour is the initial left
         gap = rectangle_gap(corners[first], corners[second])
         if gap < 0.0:
-            advice = "try a larger step_width"
+            distance = math.hypot(
+                footsteps[first].x - footsteps[second].x, footsteps[first].y - footsteps[second].y
+            )
+            advice = f"their centres are {distance:.3f} m apart: try a larger step_width"
             if walk.step_yaw:
                 advice += " or a smaller step_yaw"
             raise FootstepError(first, second, gap, advice)
@@ -96,7 +101,7 @@ def _refuse_zmp_beside_sole(robot: Robot, walk: WalkParameters) -> None:
             raise ConfigError(
                 "walk.zmp_offset",
                 f"{walk.zmp_offset} m lies outside the sole, which ends {0.5 * sole.length:g} m "
-                f"ahead and {0.5 * sole.width:g} m beside its centre",
+                f"ahead and {0.5 * sole.width:g} m beside its centre; move it nearer to the centre",
             )
 
 

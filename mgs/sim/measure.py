@@ -59,7 +59,9 @@ def travel(soles: Array) -> Array:
     """
     shift = soles[-1, :, :2].mean(axis=0) - soles[0, :, :2].mean(axis=0)
     headings = yaw_from_quat_xyzw(soles[[0, -1], :, 3:])
-    return np.array([*shift, wrap_angle(headings[1] - headings[0]).mean()])
+    left, right = wrap_angle(headings[1] - headings[0])
+    turn = left + 0.5 * wrap_angle(right - left)  # the mean on the side where both soles are
+    return np.array([*shift, float(wrap_angle(turn))])
 
 
 def angle_between(a: Array, b: Array) -> Array:
