@@ -21,7 +21,7 @@ from mgs.sim.settings import Settings
 
 Array = NDArray[np.float64]
 BASE = -1  # PyBullet's index of the base link
-POSITION_GAIN, VELOCITY_GAIN = 0.2, 1.0  # of the error, corrected in one step
+CORRECTION_TIME = 0.005  # [s] in which a motor makes up for an error of position
 GRAVITY = 9.81  # [m/s^2]
 
 
@@ -82,19 +82,23 @@ class PybulletEngine:
         therefore put in series with it, solved for the yield x = q_plan - q:
 
             dx/dt = (torque / stiffness - x) / damping
+
+        Torques are known one step late, therefore the loop of motor, yield and an inertia I at a
+        joint hunts unless I < CORRECTION_TIME * damping * stiffness. The yield's speed is no part
+        of the target: it would put the step in place of CORRECTION_TIME.
         """
-        rate = (self._torque / self._stiffness - self._yield) / self._settings.damping
-        self._yield = self._yield + self._settings.dt * rate
-        n = self._robot.n
+        n, settings = self._robot.n, self._settings
+        missing = self._torque / self._stiffness - self._yield
+        self._yield = self._yield + settings.dt / settings.damping * missing
         self._p.setJointMotorControlArray(
             self._body,
             self._joints,
             self._p.POSITION_CONTROL,
             targetPositions=(position - self._yield).tolist(),
-            targetVelocities=(velocity - rate).tolist(),
+            targetVelocities=velocity.tolist(),
             forces=self._robot.torque_limit.tolist(),
-            positionGains=[POSITION_GAIN] * n,
-            velocityGains=[VELOCITY_GAIN] * n,
+            positionGains=[min(1.0, settings.dt / CORRECTION_TIME)] * n,
+            velocityGains=[1.0] * n,
             physicsClientId=self._client,
         )
 
