@@ -118,6 +118,14 @@ def test_every_problem_is_told_at_once():
         assert f"a.yaml: {key}" in message
 
 
+def test_messages_are_short_and_hold_nothing_that_a_terminal_would_obey():
+    message = refusal(f'mgs: 1\nmotion: "{chr(92)}e[31m"\n"{chr(92)}x07": 1\nwalk: "{"x" * 9999}"')
+    lines = message.splitlines()
+    assert all(line.isprintable() for line in lines)
+    assert "\\x1b[31m" in message and "\\x07" in message
+    assert max(map(len, lines)) < 250
+
+
 def test_a_missing_key_is_named():
     assert "a.yaml: walk.n_steps: missing" in refusal("mgs: 1\nmotion: walk\nwalk: {}")
     assert "a.yaml: mgs: missing" in refusal("motion: walk\nwalk: {n_steps: 2}")
@@ -137,7 +145,9 @@ def test_a_key_given_twice_is_refused_with_its_line(text: str):
     "text", ["", "# only a comment\n", "5", "walk", "[1, 2]", "- a\n- b", "null"]
 )
 def test_a_file_without_keys_at_the_top_is_refused(text: str):
-    assert "expected keys and values at the top level" in refusal(text)
+    message = refusal(text)
+    assert "expected keys and values at the top level" in message
+    assert ("found nothing" in message) == (text in ("", "# only a comment\n", "null"))
 
 
 @pytest.mark.parametrize(

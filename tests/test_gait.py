@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 import yaml
 from hypothesis import given
+from pydantic import ValidationError
 
 from mgs.errors import ConfigError
 from mgs.gait import MAX_SAMPLES, find_gait, list_gaits, load_gait, parse_gait, shipped_folder
@@ -63,6 +65,87 @@ def test_walk_practical_takes_4_cm_in_at_most_0_8_s():
     walk = load_gait("melson/walk_practical").walk
     assert walk.step_length >= 0.04
     assert walk.single_support + walk.double_support <= 0.8
+
+
+def test_a_gait_of_one_key_has_the_documented_defaults():
+    gait = parse_gait("mgs: 1\nmotion: walk\nwalk: {n_steps: 2}", "a.yaml")
+    assert gait.model_dump() == {
+        "mgs": 1,
+        "robot": None,
+        "motion": "walk",
+        "dt": 0.01,
+        "walk": {
+            "n_steps": 2,
+            "step_length": 0.0,
+            "lateral": 0.0,
+            "step_yaw": 0.0,
+            "step_width": None,
+            "first_support": None,
+            "lead_in": 1.8,
+            "double_support": 0.2,
+            "single_support": 0.5,
+            "lead_out": 1.8,
+            "step_height": 0.02,
+            "com_height": None,
+            "zmp_offset": [0.0, 0.0],
+        },
+        "com": {"preview": 1.6, "weight_error": 1.0, "weight_jerk": 1e-6},
+        "ik": {
+            "solver": "clik",
+            "gamma_joint": 0.35,
+            "gamma_grav": 0.0,
+            "gamma_grav_ramp": 0.2,
+            "iterations": None,
+            "on_limit": "refuse",
+        },
+    }
+
+
+@pytest.mark.parametrize(
+    ("key", "allowed", "refused"),
+    [
+        ("dt", [1e-4, 0.1], [0.9e-4, 0.101, 0.0, -0.01]),
+        ("walk.n_steps", [1, 20_000], [0, 20_001]),
+        ("walk.step_length", [-1.0, 1.0], [-1.001, 1.001]),
+        ("walk.lateral", [-1.0, 1.0], [-1.001, 1.001]),
+        ("walk.step_yaw", [-1.0, 1.0], [-1.001, 1.001]),
+        ("walk.step_width", [1e-3, 2.0, None], [0.0, 2.01]),
+        ("walk.lead_in", [1.6, 60.0], [0.0, 60.1]),
+        ("walk.double_support", [1e-3, 60.0], [0.0, 60.1]),
+        ("walk.single_support", [1e-3, 60.0], [0.0, 60.1]),
+        ("walk.lead_out", [1.6, 60.0], [0.0, 60.1]),
+        ("walk.step_height", [1e-3, 0.5], [0.0, 0.501]),
+        ("walk.com_height", [1e-3, 3.0, None], [0.0, 3.01]),
+        ("walk.zmp_offset", [[1.0, -1.0]], [[1.001, 0.0], [0.0, -1.001], [0.0], [0.0, 0.0, 0.0]]),
+        ("com.preview", [0.1, 1.8], [0.09, 10.1]),
+        ("com.weight_error", [1e-300, 1e12], [0.0, 1.01e12]),
+        ("com.weight_jerk", [1e-300, 1e6], [0.0, 1.01e6]),
+        ("ik.gamma_joint", [0.0, 1e3], [-1e-9, 1001.0]),
+        ("ik.gamma_grav", [0.0, 1e3], [-1e-9, 1001.0]),
+        ("ik.gamma_grav_ramp", [1e-4, 10.0], [0.0, 10.1]),
+        ("ik.iterations", [0, 50, None], [-1, 51]),
+    ],
+)
+def test_every_number_has_its_range(key: str, allowed: list, refused: list):
+    def read(value: object) -> None:
+        steps = "walk.n_steps=2" if key != "dt" else "walk.n_steps=1"
+        parse_gait("mgs: 1\nmotion: walk\nwalk: {}", "a", (steps, f"{key}={yaml_of(value)}"))
+
+    for value in allowed:
+        read(value)
+    for value in refused:
+        with pytest.raises(ConfigError, match=re.escape(key)):
+            read(value)
+
+
+def yaml_of(value: object) -> str:
+    return yaml.safe_dump(value, default_flow_style=True).removesuffix("...\n").strip()
+
+
+def test_a_gait_cannot_be_changed():
+    gait = walk_gait()
+    with pytest.raises(ValidationError, match="frozen"):
+        gait.walk.n_steps = 3
 
 
 # --- values that do not fit each other -------------------------------------------------------

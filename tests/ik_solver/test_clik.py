@@ -328,6 +328,30 @@ def test_on_request_a_joint_beyond_its_limit_is_recorded(melson: Robot):
     assert angles[k, j] == caught.value.position
 
 
+def overshooting_gain(robot: Robot, gait: Gait) -> float:
+    """Gain at which an explicit step of dt down H_grav would reach the bottom, in the first pose.
+
+    Curvature by differences of differences, the null space by singular values.
+    """
+    tasks, com = inputs(robot, gait)
+    q = solve_ik(robot, tasks, com, IkParameters()).angles[0]
+    side = Side(tasks.root[0])
+
+    def slope(x: np.ndarray) -> np.ndarray:
+        return gradient(lambda y: gravity_cost(robot, side, y), x, step=1e-4)
+
+    steps = 1e-4 * np.eye(robot.n)
+    hessian = np.array([(slope(q + dq) - slope(q - dq)) / 2e-4 for dq in steps])
+    tree = TreeTasks(robot, side)
+    tree.update(q[tree.order])
+    J = np.empty_like(tree.J)
+    J[:, tree.order] = tree.J
+    null = np.linalg.svd(J)[2][15:]
+    curvature = np.linalg.eigvalsh(null @ hessian @ null.T).max()
+    s = 0.70 / (robot.mass * tasks.com_height[0])
+    return float(1.0 / (gait.dt * s**2 * curvature))
+
+
 @pytest.mark.parametrize("gamma", [200.0, 1000.0])
 def test_a_gravity_gain_that_would_overshoot_is_refused_with_the_largest_allowed(
     melson: Robot, gamma: float
@@ -337,6 +361,7 @@ def test_a_gravity_gain_that_would_overshoot_is_refused_with_the_largest_allowed
         solve(melson, gait)
     allowed = float(str(caught.value).split("below ")[1].split(",")[0])
     assert allowed < gamma
+    assert allowed == pytest.approx(overshooting_gain(melson, gait), rel=6e-3)  # three digits
     below = {"gamma_grav": 0.99 * allowed, "on_limit": "record"}
     assert np.all(np.isfinite(solve(melson, walk_gait(**SHORT, ik=below)).angles))
 
