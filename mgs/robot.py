@@ -19,12 +19,15 @@ from mgs.config import FormatVersion, Model, build, is_file, parse_yaml, read_te
 from mgs.contact import Side
 from mgs.errors import ConfigError
 from mgs.gait import shipped_folder
+from mgs.urdf_lock import lock_joints
 
 Array = NDArray[np.float64]
 FLOATING_BASE_NQ, FLOATING_BASE_NV = 7, 6
 MAX_LENGTH, MAX_MASS, MAX_ANGLE = 10.0, 1e4, 100.0  # [m], [kg], [rad]; beyond: a slip of the unit
 Coordinate = Annotated[float, Field(ge=-MAX_LENGTH, le=MAX_LENGTH)]
 Vector3 = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
+Angle = Annotated[float, Field(ge=-MAX_ANGLE, le=MAX_ANGLE)]
+Range = Annotated[list[Angle], Field(min_length=2, max_length=2)]
 
 
 class FrameSpec(Model):
@@ -81,6 +84,12 @@ class RobotSpec(Model):
     )
     servos: dict[str, ServoSpec] = Field(description="Servo models by name.")
     joints: dict[str, str] = Field(description="Servo model of every joint.")
+    locked: dict[str, Angle] = Field(
+        {}, description="Joints of the URDF held at an angle [rad]; they are none of the robot's."
+    )
+    limits: dict[str, Range] = Field(
+        {}, description="Ranges [rad] narrower than the URDF's, by joint."
+    )
     groups: dict[str, list[str]] = Field({}, description="Names for sets of joints.")
     ignore_collisions: list[Annotated[list[str], Field(min_length=2, max_length=2)]] = Field(
         [], description="Pairs of links that may touch, besides adjacent ones."
@@ -178,8 +187,12 @@ def list_robots() -> list[str]:
 
 
 def build_robot(yaml_text: str, urdf_text: str, source: str | Path) -> Robot:
-    """Robot from the texts of its two files; `source` names robot.yaml in messages."""
+    """Robot from the texts of its two files; `source` names robot.yaml in messages.
+
+    Locked joints are fixed in `Robot.urdf`, from which the same robot can be built again.
+    """
     spec = build(RobotSpec, parse_yaml(yaml_text, source), source)
+    urdf_text = lock_joints(urdf_text, spec.locked, str(source), spec.urdf)
     model = _parse_urdf(urdf_text, f"{source}: {spec.urdf}")
     problems: list[str] = []
     names = tuple(model.names[2:])
@@ -188,6 +201,7 @@ def build_robot(yaml_text: str, urdf_text: str, source: str | Path) -> Robot:
         raise ConfigError(source, problems)
     servos = [spec.servos[spec.joints[name]] for name in names]
     lower, upper = model.lowerPositionLimit[7:].copy(), model.upperPositionLimit[7:].copy()
+    _narrow(spec, names, lower, upper, problems)
     no_load_speed = np.array([servo.no_load_speed for servo in servos])
     speed_limit = np.minimum(model.velocityLimit[6:], no_load_speed)
     posture = np.array([spec.posture.get(name, 0.0) for name in names])
@@ -272,12 +286,33 @@ def _check_names(
             problems.append(
                 f"joints.{name}: servo {spec.joints[name]!r} is not listed under servos"
             )
-    named: dict[str, Iterable[str]] = {"joints": spec.joints, "posture": spec.posture}
+    named: dict[str, Iterable[str]] = {
+        "joints": spec.joints,
+        "posture": spec.posture,
+        "limits": spec.limits,
+    }
     named |= {f"groups.{group}": members for group, members in spec.groups.items()}
     for key, members in named.items():
-        problems += [
-            f"{key}: {spec.urdf} has no joint {name!r}" for name in members if name not in names
-        ]
+        for name in members:
+            if name in spec.locked:
+                problems.append(f"{key}: joint {name!r} is locked, leave it out here")
+            elif name not in names:
+                problems.append(f"{key}: {spec.urdf} has no joint {name!r}")
+
+
+def _narrow(
+    spec: RobotSpec, names: tuple[str, ...], lower: Array, upper: Array, problems: list[str]
+) -> None:
+    """Replace limits (n,) of the URDF by those of robot.yaml where it has some."""
+    for name, (low, high) in spec.limits.items():
+        j = names.index(name)
+        if lower[j] <= low < high <= upper[j]:
+            lower[j], upper[j] = low, high
+        else:
+            problems.append(
+                f"limits.{name}: [{low:g}, {high:g}] is not a range within "
+                f"[{lower[j]:.4f}, {upper[j]:.4f}], that of {spec.urdf}"
+            )
 
 
 def _check_bodies(spec: RobotSpec, model: pin.Model, problems: list[str]) -> None:

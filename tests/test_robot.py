@@ -398,6 +398,116 @@ def test_a_link_may_bear_the_name_of_a_joint(melson: Robot):
     assert build_support_tree(robot, Side.LEFT).model.njoints == 1 + robot.n
 
 
+# --- locked joints ----------------------------------------------------------------------------
+
+
+def spec_of(robot: Robot, **locked: float) -> str:
+    """Its robot.yaml with joints locked, and left out where locked joints must not stand."""
+    tree = yaml.safe_load(robot.yaml) | {"locked": locked}
+    for key in ("joints", "posture"):
+        tree[key] = {name: x for name, x in tree[key].items() if name not in locked}
+    tree["groups"] = {
+        group: [name for name in names if name not in locked]
+        for group, names in tree.get("groups", {}).items()
+    }
+    return yaml.safe_dump(tree)
+
+
+def test_a_locked_joint_is_locked_as_pinocchio_does_it(any_robot: Robot):
+    """Oracle: buildReducedModel, which never sees the URDF; crooked axes and origins included."""
+    rng = np.random.default_rng(4)
+    names = [any_robot.joint_names[i] for i in rng.choice(any_robot.n, 5, replace=False)]
+    ids = [any_robot.model.getJointId(name) for name in names]
+    q = pin.neutral(any_robot.model)
+    q[7:] = rng.uniform(any_robot.lower, any_robot.upper)
+    angles = {
+        name: float(q[any_robot.model.joints[i].idx_q]) for name, i in zip(names, ids, strict=True)
+    }
+    robot = build_robot(spec_of(any_robot, **angles), any_robot.urdf, "robot.yaml")
+    model = pin.buildReducedModel(any_robot.model, ids, q)
+    assert list(robot.joint_names) == list(model.names[2:])
+    assert robot.n == any_robot.n - 5
+    mine, theirs = robot.model.createData(), model.createData()
+    for _ in range(3):
+        q = pin.randomConfiguration(model, -np.ones(model.nq), np.ones(model.nq))
+        assert_allclose(
+            np.triu(pin.crba(robot.model, mine, q)), np.triu(pin.crba(model, theirs, q)), atol=1e-12
+        )
+        for frames, others in (
+            (robot.sole_frames, any_robot.sole_frames),
+            (robot.hand_frames, any_robot.hand_frames),
+        ):
+            pin.framesForwardKinematics(robot.model, mine, q)
+            pin.framesForwardKinematics(model, theirs, q)
+            for frame, other in zip(frames, others, strict=True):
+                same = model.getFrameId(any_robot.model.frames[other].name)
+                assert_allclose(mine.oMf[frame].homogeneous, theirs.oMf[same].homogeneous)
+
+
+def test_locking_twice_changes_nothing(melson: Robot):
+    """Motion files keep robot.yaml and the changed URDF, and robots are built from them again."""
+    robot = build_robot(spec_of(melson, waist_yaw=0.4), URDF, "robot.yaml")
+    again = build_robot(robot.yaml, robot.urdf, "robot.yaml")
+    assert again.urdf == robot.urdf != URDF
+    assert again.model == robot.model
+    assert robot.mass == pytest.approx(melson.mass)
+
+
+def test_without_locked_joints_the_urdf_stays_as_it_was(melson: Robot):
+    assert build_robot(spec_of(melson), URDF, "robot.yaml").urdf == URDF
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("", "waist: 0.1", "locked.waist: robot.urdf has no joint 'waist'; did you mean 'waist_y"),
+        ("", "zzz: 0.1", "locked.zzz: robot.urdf has no joint 'zzz'\n"),
+        ("", "waist_yaw: 1.05", "locked.waist_yaw: 1.0500 rad is outside [-1.0472, 1.0472]"),
+        ("", "waist_yaw: .nan", "locked.waist_yaw: input should be a finite number"),
+        ("", "waist_yaw: 101", "locked.waist_yaw: input should be less than or equal to 100"),
+        ("", "waist_yaw: far", "locked.waist_yaw: "),
+        (WAIST, WAIST.replace("revolute", "prismatic"), "locked.waist_yaw: a prismatic joint in"),
+        ('upper="1.0472"', 'upper="x"', "locked.waist_yaw: 0.1000 rad is outside [-1.0472, nan]"),
+        ('xyz="0 0 0.0705"', 'rpy="0 0"', "locked.waist_yaw: axis or origin is malformed"),
+        ("</robot>", "", "robot.urdf: cannot read it as a URDF: no XML: no element found"),
+        (
+            "</robot>",
+            "<a>" * 9000 + "</a>" * 9000 + "</robot>",
+            "robot.urdf: cannot read it as a URDF: nested too deeply",
+        ),
+    ],
+)
+def test_a_joint_that_cannot_be_locked_is_refused(melson: Robot, old: str, new: str, message: str):
+    text = spec_of(melson, waist_yaw=0.1)
+    urdf = changed(old, new, URDF) if old else URDF
+    message_found = refusal(text if old else changed("waist_yaw: 0.1", new, text), urdf) + "\n"
+    assert message in message_found
+
+
+@pytest.mark.parametrize("axis", ["0 0 0", "0 1", "x y z"])
+def test_a_joint_without_a_direction_cannot_be_locked(melson: Robot, axis: str):
+    urdf = re.sub('(<joint name="waist_yaw".*?<axis xyz=")[^"]*', rf"\g<1>{axis}", URDF, flags=re.S)
+    assert "axis or origin is malformed" in refusal(spec_of(melson, waist_yaw=0.1), urdf)
+
+
+@pytest.mark.parametrize(
+    ("key", "content"),
+    [
+        ("joints", {"waist_yaw": "AX-12"}),
+        ("posture", {"waist_yaw": 0.1}),
+        ("groups.waist", ["waist_yaw"]),
+    ],
+)
+def test_a_locked_joint_is_no_joint_of_the_robot(melson: Robot, key: str, content: object):
+    tree = yaml.safe_load(spec_of(melson, waist_yaw=0.1))
+    if isinstance(content, dict):
+        tree[key] |= content
+    else:
+        tree["groups"]["waist"] = content
+    message = refusal(yaml.safe_dump(tree))
+    assert message == f"robot.yaml: {key}: joint 'waist_yaw' is locked, leave it out here"
+
+
 # --- folders ----------------------------------------------------------------------------------
 
 

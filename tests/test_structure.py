@@ -20,6 +20,7 @@ ORDER = [
     "contact",
     "config",
     "gait",
+    "urdf_lock",
     "robot",
     "support_tree",
     "dynamics",
