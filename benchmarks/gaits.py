@@ -12,7 +12,7 @@ import dataclasses
 import numpy as np
 
 from mgs.checks import Check, check_motion
-from mgs.gait import list_gaits, load_gait
+from mgs.gait import WalkGait, list_gaits, load_gait
 from mgs.motion import Motion
 from mgs.pipeline import generate
 from mgs.robot import load_robot
@@ -83,6 +83,8 @@ def variants(settings: Settings) -> dict[str, Settings]:
 
 def walking_speed(motion: Motion) -> str:
     """Mean speed of the sole centres between the first and the last step."""
+    if not isinstance(motion.gait, WalkGait):
+        return "on the spot"
     walk = motion.gait.walk
     per_step = walk.double_support + walk.single_support
     if walk.step_length:

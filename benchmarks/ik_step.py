@@ -105,7 +105,7 @@ def _single_steps(stages: Stages) -> Array:
     with mock.patch.object(clik, "TreeTasks", StampedTasks):
         motion = stages.motion
         joints = solve_ik(motion.robot, stages.tasks, stages.com, motion.gait.ik)
-    if joints.newton_updates:
+    if joints.report["newton_updates"]:
         raise RuntimeError("this gait takes Newton updates, so that updates are not steps")
     root = stages.tasks.root
     bounds = [0, *(np.flatnonzero(np.diff(root)) + 1), len(root)]

@@ -32,7 +32,7 @@ from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV
 Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 
-POSITION_TOLERANCE = {"sole": 1e-4, "hand": 1e-4, "com": 2e-4}  # [m]
+POSITION_TOLERANCE = {"sole": 1e-4, "hand": 1e-4}  # [m]; the CoM's is the gait's
 ROTATION_TOLERANCE = np.deg2rad(0.01)  # [rad]
 CONTACT_TOLERANCE = 5e-4  # [m] a sole in support may move, sink or float
 RMS_TORQUE_RATIO = 0.3  # of stall torque; stall is no continuous rating
@@ -78,6 +78,7 @@ def check_motion(motion: Motion, progress: Progress | None = None) -> list[Check
         _sole_position(motion, body),
         _sole_rotation(motion, body),
         _hand_position(motion, body),
+        _torso_rotation(motion, body),
         _com_position(motion, body),
         _rest(motion, speed),
     ]
@@ -91,6 +92,7 @@ def tracking_errors(motion: Motion) -> dict[str, float]:
         "sole_position": float(np.linalg.norm(soles[..., :3], axis=-1).max()),
         "sole_rotation": float(turn.max()),
         "hand_position": float(np.linalg.norm(hands, axis=-1).max()),
+        "torso_rotation": float(rotation_angles(motion.torso[:, 3:], motion.torso_ref).max()),
         "com": float(np.linalg.norm(motion.com - motion.com_ref, axis=-1).max()),
     }
 
@@ -264,10 +266,17 @@ def _hand_position(motion: Motion, body: WholeBodyMotion) -> Check:
     return _worst_side(motion, "hand_position", gap, POSITION_TOLERANCE["hand"], "m")
 
 
+def _torso_rotation(motion: Motion, body: WholeBodyMotion) -> Check:
+    angle = rotation_angles(body.torso[:, 3:], motion.torso_ref)
+    k, limit = int(np.argmax(angle)), float(ROTATION_TOLERANCE)
+    worst = float(angle[k])
+    return Check("torso_rotation", worst <= limit, worst, limit, "rad", k * motion.dt, "")
+
+
 def _com_position(motion: Motion, body: WholeBodyMotion) -> Check:
     gap = np.linalg.norm(body.com - motion.com_ref, axis=-1)
     k = int(np.argmax(gap))
-    limit = POSITION_TOLERANCE["com"]
+    limit = motion.gait.com_tolerance
     return Check(
         "com_position", bool(gap[k] <= limit), float(gap[k]), limit, "m", k * motion.dt, ""
     )

@@ -31,6 +31,7 @@ class WholeBodyMotion:
     torque: Array  # (N, n) of the servos, their rotors' inertia included [N m]
     soles: Array  # (N, 2, 7)
     hands: Array  # (N, 2, 7)
+    torso: Array  # (N, 7)
 
 
 def place_on_soles(robot: Robot, joints: Array, root: NDArray[np.int8], soles_ref: Array) -> Array:
@@ -87,14 +88,14 @@ def analyse(robot: Robot, q: Array, dt: float, load_left: Array) -> WholeBodyMot
     contacts = _share_wrench(wrench, zmp, frames[:, :2, :2], load_left)
     torque = forces[:, FLOATING_BASE_NV:] - _contact_torques(robot, q, contacts)
     torque += robot.armature * a[:, FLOATING_BASE_NV:]  # the rotors, which are no link's inertia
-    return WholeBodyMotion(q, v, a, com, zmp, torque, frames[:, :2], frames[:, 2:])
+    return WholeBodyMotion(q, v, a, com, zmp, torque, frames[:, :2], frames[:, 2:4], frames[:, 4])
 
 
 def _kinematics(robot: Robot, q: Array) -> tuple[Array, Array]:
-    """CoM (N, 3) and poses (N, 4, 7) of left and right sole, left and right hand."""
+    """CoM (N, 3) and poses (N, 5, 7) of left and right sole, left and right hand, torso."""
     model, data = robot.model, robot.model.createData()
-    ids = (*robot.sole_frames, *robot.hand_frames)
-    com, frames = np.empty((len(q), 3)), np.empty((len(q), 4, 7))
+    ids = (*robot.sole_frames, *robot.hand_frames, robot.torso_frame)
+    com, frames = np.empty((len(q), 3)), np.empty((len(q), len(ids), 7))
     for k in range(len(q)):
         com[k] = pin.centerOfMass(model, data, q[k], False)  # also places the joints
         for i, frame in enumerate(ids):

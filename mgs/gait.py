@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import yaml
-from pydantic import Field, model_validator
+from pydantic import Field, TypeAdapter, model_validator
 
 from mgs.config import FormatVersion, Model, build, is_file, parse_yaml, read_text, set_key
 from mgs.errors import ConfigError
@@ -19,8 +19,23 @@ from mgs.errors import ConfigError
 SCHEMA_VERSION = 1
 MAX_SAMPLES = 2_000_000  # about 5 GB of arrays
 
+MAX_SECONDS = 36_000.0
+COM_TOLERANCE = 2e-4  # [m]
+
 Duration = Annotated[float, Field(gt=0.0, le=60.0)]
 Length = Annotated[float, Field(ge=-1.0, le=1.0)]
+Displacement = Annotated[float, Field(ge=-2.0, le=2.0)]
+Frequency = Annotated[float, Field(gt=0.0, le=20.0)]
+Weight = Annotated[list[Annotated[float, Field(gt=0.0, le=1e6)]], Field(min_length=3, max_length=3)]
+TaskName = Literal["soles", "torso", "com", "hands"]
+PartName = Literal["soles", "torso", "com", "com_xy", "com_z", "hands"]
+SolverName = Literal[
+    "clik", "ik1", "ik2", "ik3", "ik4", "ik5", "prioritized", "prioritized-acceleration"
+]
+ChannelName = Literal[
+    "com_x", "com_y", "com_z", "torso_roll", "torso_pitch", "torso_yaw",
+    "left_hand_x", "left_hand_y", "left_hand_z", "right_hand_x", "right_hand_y", "right_hand_z",
+]  # fmt: skip
 
 
 class WalkParameters(Model):
@@ -82,48 +97,257 @@ class ComParameters(Model):
     )
 
 
+class Channel(Model):
+    """One component of the body's motion, as a displacement from where it stands at rest."""
+
+    task: ChannelName = Field(description="What moves [m] or [rad].")
+
+
+class ConstantChannel(Channel):
+    """A constant displacement."""
+
+    wave: Literal["constant"]
+    value: Displacement = Field(description="[m] or [rad]")
+
+
+class SineChannel(Channel):
+    """amplitude sin(2 pi frequency t + phase), t from the start of the motion."""
+
+    wave: Literal["sine"]
+    amplitude: Displacement = Field(description="[m] or [rad]")
+    frequency: Frequency = Field(description="[Hz]")
+    phase: float = Field(0.0, ge=-10.0, le=10.0, description="[rad]")
+
+
+class RampChannel(Channel):
+    """From 0 to `value` between two times, minimum jerk; stays there."""
+
+    wave: Literal["ramp"]
+    value: Displacement = Field(description="[m] or [rad]")
+    start: float = Field(ge=0.0, le=MAX_SECONDS, description="[s]")
+    end: float = Field(ge=0.0, le=MAX_SECONDS, description="[s]")
+
+    @model_validator(mode="after")
+    def _ends_after_its_start(self) -> RampChannel:
+        if not self.end > self.start:
+            raise ValueError(f"end = {self.end:g} s is not after start = {self.start:g} s")
+        return self
+
+
+class FigureEightChannel(Model):
+    """A figure eight in a plane: width along its first axis, height along its second."""
+
+    wave: Literal["figure_eight"]
+    task: Literal["com", "left_hand", "right_hand"] = Field(description="Point that draws it.")
+    plane: Literal["xy", "xz", "yx", "yz", "zx", "zy"] = Field("yz", description="Long axis first.")
+    width: Displacement = Field(description="From end to end along the first axis [m].")
+    height: Displacement = Field(description="From end to end along the second axis [m].")
+    frequency: Frequency = Field(description="Eights per second [Hz].")
+
+
+AnyChannel = Annotated[
+    ConstantChannel | SineChannel | RampChannel | FigureEightChannel, Field(discriminator="wave")
+]
+
+
+class BalanceParameters(Model):
+    """Both feet stay where they are; CoM, torso and hands follow the sum of their channels.
+
+    Everything is eased in from the half-sitting posture and out to it. Hands without a channel are
+    not asked for anything.
+    """
+
+    duration: float = Field(gt=0.0, le=MAX_SECONDS, description="Of the whole motion [s].")
+    rest: float = Field(0.5, ge=0.0, le=60.0, description="At rest, at either end [s].")
+    ease: float = Field(1.0, gt=0.0, le=60.0, description="Fading in, and fading out [s].")
+    com_height: float | None = Field(
+        None, ge=1e-3, le=3.0, description="Height that com_z adds to [m]; null: posture."
+    )
+    com_tolerance: float = Field(
+        COM_TOLERANCE,
+        gt=0.0,
+        le=1.0,
+        description="How far the CoM may stay behind its reference [m]; more than the default "
+        "where more is asked than the robot can reach.",
+    )
+    channels: list[AnyChannel] = Field(min_length=1, max_length=100)
+
+    @model_validator(mode="after")
+    def _has_room_for_its_ends(self) -> BalanceParameters:
+        ends = 2.0 * (self.rest + self.ease)
+        if not self.duration > ends:
+            raise ValueError(
+                f"duration = {self.duration:g} s leaves nothing between the ends, which take "
+                f"2 (rest + ease) = {ends:g} s; lengthen duration"
+            )
+        return self
+
+
+class FarajiParameters(Model):
+    """Inverse kinematics ik1 to ik5 (Faraji and Ijspeert): hard rows, soft rows, safety region."""
+
+    hard: list[TaskName] = Field(
+        ["soles", "torso", "hands"], description="Tasks met exactly; those not asked for are left."
+    )
+    soft: dict[TaskName, Weight] = Field(
+        {"com": [1.0, 1.0, 1.0]},
+        description="Tasks that may be compromised, with the weights Q of their x, y, z.",
+    )
+    damping: float = Field(
+        1e-4,
+        gt=0.0,
+        le=1e3,
+        description="R, weight of the joint steps; 1e-2 where a leg stretches in ik1 to ik3.",
+    )
+    gamma: float = Field(
+        10.0, ge=0.0, le=1e3, description="Weight of the task velocity in ik4 and ik5."
+    )
+    gamma_rows: Literal["soft", "all"] = Field(
+        "soft", description="Rows that gamma acts on; all: as eq. (8) is printed."
+    )
+    region: Literal["ellipse", "polygon"] = Field(
+        "ellipse", description="Shape of the safety region of position and speed (ik3 to ik5)."
+    )
+    speed_max: float | None = Field(
+        None, gt=0.0, le=100.0, description="Joint speed mid-range [rad/s]; null: the robot's."
+    )
+    margin: float = Field(
+        0.0, ge=0.0, le=1.0, description="q_s, distance kept from the joint limits [rad]."
+    )
+    posture_weight: float | None = Field(
+        None,
+        ge=0.0,
+        le=1.0,
+        description="Pull to the half-sitting posture, as a part of the soft tasks' weight [m^2]; "
+        "null: 1e-6 if joints are left over, else 0.",
+    )
+
+    @model_validator(mode="after")
+    def _each_task_once(self) -> FarajiParameters:
+        if twice := set(self.hard) & set(self.soft):
+            raise ValueError(f"{min(twice)} is both hard and soft; keep it in one of them")
+        if not self.hard or not self.soft:
+            raise ValueError("both hard and soft want at least one task")
+        return self
+
+
+class PrioritizedParameters(Model):
+    """Prioritised floating-base inverse kinematics (Mistry et al.): three levels of tasks."""
+
+    critical: list[PartName] = Field(
+        ["soles", "com_xy"], description="Level A, met whatever the others ask."
+    )
+    functional: list[PartName] = Field(["hands"], description="Level B.")
+    extraneous: list[PartName] = Field(["torso", "com_z"], description="Level E.")
+    null_space: Literal["tracking", "projected"] = Field(
+        "tracking",
+        description="tracking: (J_B N_A)^+, lower levels are met where they can be; projected: "
+        "N_A J_B^+ as in eq. (16).",
+    )
+    feedback: float = Field(
+        0.5, gt=0.0, le=1.0, description="Share of a task error that is taken back per sample."
+    )
+    handover: float = Field(
+        0.1, ge=0.0, le=2.0, description="Time to blend constraint sets at a support switch [s]."
+    )
+
+    @model_validator(mode="after")
+    def _each_task_once(self) -> PrioritizedParameters:
+        parts = [
+            part
+            for name in [*self.critical, *self.functional, *self.extraneous]
+            for part in (("com_xy", "com_z") if name == "com" else (name,))
+        ]
+        for part in parts:
+            if parts.count(part) > 1:
+                raise ValueError(f"{part} stands in two levels; keep it in one of them")
+        if "soles" not in self.critical:
+            raise ValueError("soles have to be critical: without them the base is not determined")
+        return self
+
+
 class IkParameters(Model):
     """Inverse kinematics (stage 4)."""
 
-    solver: Literal["clik"] = Field("clik", description="Name of the solver.")
+    solver: SolverName = Field("clik", description="Name of the solver.")
     gamma_joint: float = Field(
-        0.35, ge=0.0, le=1e3, description="Gain of the joint-limit gradient [rad^2/s]."
+        0.35, ge=0.0, le=1e3, description="clik: gain of the joint-limit gradient [rad^2/s]."
     )
     gamma_grav: float = Field(
-        0.0, ge=0.0, le=1e3, description="Gain of the gravity-torque gradient [1/((N m)^2 s)]."
+        0.0,
+        ge=0.0,
+        le=1e3,
+        description="clik: gain of the gravity-torque gradient [1/((N m)^2 s)].",
     )
     gamma_grav_ramp: float = Field(
         0.2,
         ge=1e-4,
         le=10.0,
-        description="Time over which gamma_grav falls before double support [s].",
+        description="clik: time over which gamma_grav falls before double support [s].",
     )
     iterations: int | None = Field(
         None,
         ge=0,
         le=50,
-        description="Task-only Newton updates per sample; null: until the tolerance is met.",
+        description="clik: task-only Newton updates per sample, null: until the tolerance is met; "
+        "ik2, ik4, ik5: n, null: 15.",
     )
     on_limit: Literal["refuse", "record"] = Field(
         "refuse", description="What to do when a joint leaves its range."
     )
+    faraji: FarajiParameters = FarajiParameters()
+    prioritized: PrioritizedParameters = PrioritizedParameters()
 
 
-class Gait(Model):
-    """A gait file."""
+class GaitFile(Model):
+    """What every gait file has."""
 
     mgs: FormatVersion = Field(description="Version of this format.")
     robot: str | None = Field(
         None, min_length=1, max_length=4096, description="Shipped robot or a robot folder."
     )
-    motion: Literal["walk"] = Field(description="Kind of motion.")
+    motion: str
     dt: float = Field(0.01, ge=1e-4, le=0.1, description="Sampling period [s].")
+
+    @property
+    def duration(self) -> float:
+        """Length of the motion [s]."""
+        raise NotImplementedError
+
+    @property
+    def com_tolerance(self) -> float:
+        """Largest distance of the CoM from its reference that passes [m]."""
+        return COM_TOLERANCE
+
+    def to_yaml(self) -> str:
+        """The gait as resolved, every default written out."""
+        return yaml.safe_dump(self.model_dump(), sort_keys=False, default_flow_style=None)
+
+    def _refuse_too_long(self, remedy: str) -> None:
+        if self.duration / self.dt > MAX_SAMPLES:
+            raise ValueError(
+                f"{self.duration:.0f} s at dt = {self.dt:g} s are {self.duration / self.dt:.2g} "
+                f"samples, {MAX_SAMPLES:g} allowed; use {remedy} or a larger dt"
+            )
+
+
+class WalkGait(GaitFile):
+    """A gait file with `motion: walk`."""
+
+    motion: Literal["walk"] = Field(description="Kind of motion.")
     walk: WalkParameters
     com: ComParameters = ComParameters()
     ik: IkParameters = IkParameters()
 
+    @property
+    def duration(self) -> float:
+        """Length of the motion [s]."""
+        walk = self.walk
+        rests = walk.lead_in + walk.lead_out + walk.double_support
+        return rests + walk.n_steps * (walk.double_support + walk.single_support)
+
     @model_validator(mode="after")
-    def _rests_as_long_as_it_previews(self) -> Gait:
+    def _rests_as_long_as_it_previews(self) -> WalkGait:
         for key in ("lead_in", "lead_out"):
             rest = getattr(self.walk, key)
             if rest < self.com.preview:
@@ -134,20 +358,42 @@ class Gait(Model):
         return self
 
     @model_validator(mode="after")
-    def _fits_into_memory(self) -> Gait:
-        walk = self.walk
-        duration = walk.lead_in + walk.lead_out + walk.double_support
-        duration += walk.n_steps * (walk.double_support + walk.single_support)
-        if duration / self.dt > MAX_SAMPLES:
-            raise ValueError(
-                f"{duration:.0f} s at dt = {self.dt:g} s are {duration / self.dt:.2g} samples, "
-                f"{MAX_SAMPLES:g} allowed; use fewer walk.n_steps or a larger dt"
-            )
+    def _fits_into_memory(self) -> WalkGait:
+        self._refuse_too_long("fewer walk.n_steps")
         return self
 
-    def to_yaml(self) -> str:
-        """The gait as resolved, every default written out."""
-        return yaml.safe_dump(self.model_dump(), sort_keys=False, default_flow_style=None)
+
+class BalanceGait(GaitFile):
+    """A gait file with `motion: balance`."""
+
+    motion: Literal["balance"] = Field(description="Kind of motion.")
+    balance: BalanceParameters
+    ik: IkParameters = IkParameters()
+
+    @property
+    def duration(self) -> float:
+        """Length of the motion [s]."""
+        return self.balance.duration
+
+    @property
+    def com_tolerance(self) -> float:
+        """Largest distance of the CoM from its reference that passes [m]."""
+        return self.balance.com_tolerance
+
+    @model_validator(mode="after")
+    def _fits_into_memory(self) -> BalanceGait:
+        self._refuse_too_long("a shorter balance.duration")
+        return self
+
+
+Gait = WalkGait | BalanceGait
+GAITS: dict[str, type[WalkGait] | type[BalanceGait]] = {"walk": WalkGait, "balance": BalanceGait}
+
+
+def gait_schema() -> dict[str, Any]:
+    """JSON schema of all kinds of gait file."""
+    kinds: Any = Annotated[Gait, Field(discriminator="motion")]
+    return TypeAdapter(kinds).json_schema()
 
 
 def load_gait(name_or_path: str | Path, assignments: tuple[str, ...] = ()) -> Gait:
@@ -169,7 +415,12 @@ def parse_gait(text: str, source: str | Path, assignments: tuple[str, ...] = ())
     tree: Any = parse_yaml(text, source)
     for assignment in assignments:
         set_key(tree, assignment)
-    return build(Gait, tree, source)
+    kind = tree.get("motion", "walk") if isinstance(tree, dict) else "walk"
+    if not isinstance(kind, str) or kind not in GAITS:
+        raise ConfigError(
+            source, f"motion: should be one of {', '.join(GAITS)}, found {kind!r}"[:200]
+        )
+    return build(GAITS[kind], tree, source)
 
 
 def find_gait(name_or_path: str | Path) -> Path:

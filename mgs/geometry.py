@@ -34,6 +34,26 @@ def quat_xyzw_from_yaw(yaw: ArrayLike) -> Array:
     return np.stack([zero, zero, np.sin(half), np.cos(half)], axis=-1)
 
 
+def quat_xyzw_from_rpy(angles: ArrayLike) -> Array:
+    """Quaternion (..., 4) of roll, pitch, yaw (..., 3) [rad]: R = R_z(yaw) R_y(pitch) R_x(roll)."""
+    half = 0.5 * np.asarray(angles, dtype=float)
+    turns = []
+    for axis in range(3):
+        turn = np.zeros((*half.shape[:-1], 4))
+        turn[..., axis], turn[..., 3] = np.sin(half[..., axis]), np.cos(half[..., axis])
+        turns.append(turn)
+    roll, pitch, yaw = turns
+    return quat_multiply(yaw, quat_multiply(pitch, roll))
+
+
+def quat_multiply(quat_a: ArrayLike, quat_b: ArrayLike) -> Array:
+    """Product (..., 4) of quaternions: the rotation b, followed by a."""
+    a, b = np.asarray(quat_a, dtype=float), np.asarray(quat_b, dtype=float)
+    vector = a[..., 3:] * b[..., :3] + b[..., 3:] * a[..., :3] + np.cross(a[..., :3], b[..., :3])
+    scalar = a[..., 3] * b[..., 3] - np.sum(a[..., :3] * b[..., :3], axis=-1)
+    return np.concatenate([vector, scalar[..., None]], axis=-1)
+
+
 def rotations_from_quat_xyzw(quat: ArrayLike) -> Array:
     """Rotation matrices (..., 3, 3) of unit quaternions (..., 4)."""
     x, y, z, w = np.moveaxis(np.asarray(quat, dtype=float), -1, 0)

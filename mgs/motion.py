@@ -18,7 +18,8 @@ Array = NDArray[np.float64]
 class Motion:
     """A joint trajectory with the references it follows; world frame, SI units, first axis time.
 
-    Poses are x, y, z and quaternion xyzw; the side axis is (left, right).
+    Poses are x, y, z and quaternion xyzw; the side axis is (left, right). Where nothing is asked of
+    hand or torso, its reference is what it does.
     """
 
     robot: Robot
@@ -38,6 +39,8 @@ class Motion:
     soles_ref: Array  # (N, 2, 7) asked
     hands: Array  # (N, 2, 7) reached
     hands_ref: Array  # (N, 2, 3) asked; hands have no orientation task
+    torso: Array  # (N, 7) reached
+    torso_ref: Array  # (N, 4) orientation asked, quaternion xyzw
     solver: dict[str, object]  # name of the IK solver and its parameters
 
     @property

@@ -7,9 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TypeVar
 
+import numpy as np
+
 from mgs.com_generator import ComTrajectory, generate_com
 from mgs.dynamics import analyse, place_on_soles
-from mgs.gait import Gait
+from mgs.gait import Gait, WalkGait
 from mgs.ik_solver import JointTrajectory, solve_ik
 from mgs.motion import Motion
 from mgs.motion_planner import MotionPlan, plan_motion
@@ -50,7 +52,8 @@ def generate(
     seconds: dict[str, float] = {}
     plan = _timed(seconds, "motion_planner", lambda: plan_motion(robot, gait))
     tasks = _timed(seconds, "trajectory_planner", lambda: plan_trajectories(plan))
-    com = _timed(seconds, "com_generator", lambda: generate_com(tasks, gait.com))
+    preview = gait.com if isinstance(gait, WalkGait) else None
+    com = _timed(seconds, "com_generator", lambda: generate_com(tasks, preview))
     joints = _timed(seconds, "ik_solver", lambda: solve_ik(robot, tasks, com, gait.ik, progress))
     motion = _timed(
         seconds, "dynamics", lambda: assemble(robot, gait, name, plan, tasks, com, joints)
@@ -70,6 +73,7 @@ def assemble(
     """Motion of the four products: what was asked beside what the joints do."""
     q = place_on_soles(robot, joints.angles, tasks.root, tasks.soles)
     body = analyse(robot, q, tasks.dt, tasks.load_left)
+    hands = tasks.hands + com.position[:, None]
     return Motion(
         robot=robot,
         gait=gait,
@@ -87,8 +91,10 @@ def assemble(
         soles=body.soles,
         soles_ref=tasks.soles,
         hands=body.hands,
-        hands_ref=tasks.hands + com.position[:, None],
-        solver={"newton_updates": joints.newton_updates, **gait.ik.model_dump()},
+        hands_ref=np.where(np.isfinite(hands), hands, body.hands[..., :3]),
+        torso=body.torso,
+        torso_ref=tasks.torso if tasks.torso_asked else body.torso[:, 3:],
+        solver={**joints.report, **gait.ik.model_dump()},
     )
 
 

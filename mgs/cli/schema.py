@@ -17,9 +17,9 @@ def schema(kind: str) -> None:
       mgs schema gait > gait.schema.json
     """  # noqa: D301
     if kind == "gait":
-        from mgs.gait import Gait
+        from mgs.gait import gait_schema
 
-        print_json(Gait.model_json_schema())
+        print_json(gait_schema())
     else:
         from mgs.robot import RobotSpec
 

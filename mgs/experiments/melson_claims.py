@@ -58,7 +58,7 @@ def task_claims(study: Study) -> list[Claim]:
     errors = {name: tracking_errors(stages) for name, stages in runs.items()}
     worst = max(position for position, _ in errors.values())
     turn = np.degrees(max(rotation for _, rotation in errors.values()))
-    updates = sum(stages.joints.newton_updates for stages in runs.values())
+    updates = sum(int(str(s.joints.report["newton_updates"])) for s in runs.values())
     return [
         Claim(
             "same_task",

@@ -117,7 +117,14 @@ class _Run:
         self, tuning: ClosedLoopIk, robot: Robot, tasks: TaskTrajectory, com: ComTrajectory
     ) -> None:
         self.tuning, self.robot, self.tasks, self.com = tuning, robot, tasks, com.position
-        self.trees = (TreeTasks(robot, Side.LEFT), TreeTasks(robot, Side.RIGHT))
+        if tasks.torso_asked:
+            raise ConfigError(
+                "ik.solver",
+                "clik leaves the torso free, but this gait has channels for it; use ik1 to ik5, "
+                "prioritized or prioritized-acceleration",
+            )
+        asked = tasks.hands_asked
+        self.trees = (TreeTasks(robot, Side.LEFT, asked), TreeTasks(robot, Side.RIGHT, asked))
         self.max_updates = MAX_UPDATES if tuning.iterations is None else tuning.iterations
         self.threshold2 = UPDATE_ABOVE**2 if tuning.iterations is None else 0.0
         scale = REFERENCE_MOMENT / (robot.mass * tasks.com_height[0])
@@ -151,7 +158,7 @@ class _Run:
             q = self.angles[end - 1]
             if progress is not None:
                 progress(end, n)
-        return JointTrajectory(self.angles, self.updates)
+        return JointTrajectory(self.angles, report={"newton_updates": self.updates})
 
     def _targets(self, start: int, end: int) -> tuple[Array, Array]:
         """Positions (m, 12) in the order of the tasks and swing sole rotations (m, 3, 3)."""
@@ -174,7 +181,7 @@ class _Run:
     ) -> Array:
         """Fill `angles` from sample `start`, beginning at q (n,); remaining task errors (m, 15)."""
         middle, inverse_range2 = self.middle[tree.order], self.inverse_range2[tree.order]
-        advance = _task_steps(positions, rotations)
+        advance = np.nan_to_num(_task_steps(positions, rotations))  # NaN: nothing is asked
         path, errors = np.empty((len(positions), len(q))), np.empty((len(positions), N_TASKS))
         tree.update(q)
         error = np.empty(N_TASKS)  # t[k] - f(q[k]), then t[k + 1] - f(q[k]) = that + advance

@@ -8,6 +8,7 @@ from typing import Protocol
 from mgs.com_generator import ComTrajectory
 from mgs.gait import IkParameters
 from mgs.ik_solver.clik import ClosedLoopIk
+from mgs.ik_solver.faraji import FarajiIk
 from mgs.ik_solver.joint_trajectory import JointTrajectory
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
@@ -41,7 +42,10 @@ class IkSolver(Protocol):
         ...
 
 
-SOLVERS: dict[str, type[IkSolver]] = {"clik": ClosedLoopIk}
+SOLVERS: dict[str, type[IkSolver]] = {
+    "clik": ClosedLoopIk,
+    **{f"ik{method}": FarajiIk for method in range(1, 6)},
+}
 
 
 def solve_ik(

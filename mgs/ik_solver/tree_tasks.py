@@ -27,6 +27,8 @@ WORLD_ALIGNED = pin.LOCAL_WORLD_ALIGNED
 class TreeTasks:
     """Task values and Jacobian of one support tree, in buffers that every update refills.
 
+    Rows of a hand of which nothing is asked are zero, in the Jacobian and in the error.
+
     Attributes:
         J: (15, n) task Jacobian in the tree's joint order; rows in the world frame.
         f: (12,) positions of swing sole, right hand, left hand and CoM [m].
@@ -34,7 +36,9 @@ class TreeTasks:
         order: (n,) joints of the robot in the order of the tree.
     """
 
-    def __init__(self, robot: Robot, side: Side) -> None:
+    def __init__(
+        self, robot: Robot, side: Side, hands_asked: tuple[bool, bool] = (True, True)
+    ) -> None:
         tree: SupportTree = build_support_tree(robot, side)
         self.tree = tree
         self.model, self.data = tree.model, tree.model.createData()
@@ -44,6 +48,8 @@ class TreeTasks:
         self._com_scale = 1.0 - tree.root_mass / robot.mass  # the tree lacks its root link
         self._com_root = np.zeros(3)  # share of the root link in the CoM
         self._com = np.zeros(3)
+        rows = zip((LEFT_HAND, RIGHT_HAND), hands_asked, strict=True)
+        self._free = [row for row, is_asked in rows if not is_asked]
         self.J = np.zeros((N_TASKS, robot.n))
         self.f = np.zeros(12)
         self.R = np.eye(3)
@@ -73,11 +79,15 @@ class TreeTasks:
         J_right = pin.getFrameJacobian(model, data, right_hand, WORLD_ALIGNED)
         rows = (J_swing[:3], J_right[:3], J_left[:3], J_com, J_swing[3:])
         np.concatenate(rows, out=self.J)
+        for free in self._free:
+            self.J[free] = 0.0
 
     def error(self, positions: Array, R_ref: Array, out: Array) -> None:
         """Target minus actual (15,) for positions (12,) in the order of f and a rotation (3, 3)."""
         np.subtract(positions, self.f, out=out[:12])
         out[TURN] = pin.log3(np.dot(R_ref, self.R.T))
+        for free in self._free:
+            out[free] = 0.0
 
     def gravity(self, q: Array) -> tuple[Array, Array]:
         """Gravity torques (n,) [N m] and their derivative (n, n), in the tree's order.

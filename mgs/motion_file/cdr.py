@@ -41,6 +41,10 @@ DEFINITIONS = {
     "geometry_msgs/Pose": ("geometry_msgs/Point position", "geometry_msgs/Quaternion orientation"),
     "geometry_msgs/PoseStamped": ("std_msgs/Header header", "geometry_msgs/Pose pose"),
     "geometry_msgs/Quaternion": ("float64 x", "float64 y", "float64 z", "float64 w"),
+    "geometry_msgs/QuaternionStamped": (
+        "std_msgs/Header header",
+        "geometry_msgs/Quaternion quaternion",
+    ),
     "geometry_msgs/Transform": (
         "geometry_msgs/Vector3 translation",
         "geometry_msgs/Quaternion rotation",

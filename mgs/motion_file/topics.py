@@ -56,6 +56,8 @@ def field_shapes(n: int) -> dict[str, tuple[int, ...]]:
         "soles_ref": (2, 7),
         "hands": (2, 7),
         "hands_ref": (2, 3),
+        "torso": (7,),
+        "torso_ref": (4,),
     }
 
 
@@ -77,12 +79,12 @@ def sample_topics(robot: Robot, tree: LinkTree) -> list[SampleTopic]:
         topics += [_point(f"/{name}", name), _point(f"/{name}_reference", f"{name}_ref")]
     for side in Side:
         topics += [
-            _pose(f"/sole/{side.label}", "soles", side),
-            _pose(f"/sole/{side.label}_reference", "soles_ref", side),
-            _pose(f"/hand/{side.label}", "hands", side),
+            _pose(f"/sole/{side.label}", "soles", np.s_[:, side]),
+            _pose(f"/sole/{side.label}_reference", "soles_ref", np.s_[:, side]),
+            _pose(f"/hand/{side.label}", "hands", np.s_[:, side]),
             _hand_reference(f"/hand/{side.label}_reference", side),
         ]
-    return topics
+    return [*topics, _pose("/torso", "torso", np.s_[:]), _torso_reference()]
 
 
 def support_layouts() -> dict[Support, Layout]:
@@ -140,10 +142,10 @@ def _point(topic: str, name: str) -> SampleTopic:
     return SampleTopic(topic, kind, layout, parts)
 
 
-def _pose(topic: str, name: str, side: Side) -> SampleTopic:
+def _pose(topic: str, name: str, part: Any) -> SampleTopic:
     kind = "geometry_msgs/PoseStamped"
     layout = message_layout(kind, {"header": _header(WORLD), "pose": Slot("pose", 7)})
-    return SampleTopic(topic, kind, layout, {"pose": (name, np.s_[:, side])})
+    return SampleTopic(topic, kind, layout, {"pose": (name, part)})
 
 
 def _hand_reference(topic: str, side: Side) -> SampleTopic:
@@ -152,3 +154,12 @@ def _hand_reference(topic: str, side: Side) -> SampleTopic:
     pose = {"position": Slot("position", 3), "orientation": {"w": 1.0}}
     layout = message_layout(kind, {"header": _header(WORLD), "pose": pose})
     return SampleTopic(topic, kind, layout, {"position": ("hands_ref", np.s_[:, side])})
+
+
+def _torso_reference() -> SampleTopic:
+    """The torso has no position task."""
+    kind = "geometry_msgs/QuaternionStamped"
+    value = {"header": _header(WORLD), "quaternion": Slot("orientation", 4)}
+    layout = message_layout(kind, value)
+    parts = {"orientation": ("torso_ref", np.s_[:])}
+    return SampleTopic("/torso_reference", kind, layout, parts)

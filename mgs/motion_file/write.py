@@ -40,7 +40,7 @@ from mgs.motion_file.topics import (
 )
 from mgs.motion_file.transforms import LinkTree, link_tree
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 SAMPLES_PER_CHUNK = 500  # about 2 MB; players read a chunk at a time
 
 Progress = Callable[[int, int], None]

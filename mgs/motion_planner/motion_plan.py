@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mgs.contact import Footstep, Support
+from mgs.gait import AnyChannel
 
 Array = NDArray[np.float64]
 
@@ -28,6 +29,23 @@ class Phase:
 
 
 @dataclass(frozen=True, eq=False)
+class BodyPlan:
+    """Motion of CoM, torso and hands over feet that stay: the sum of channels, eased in and out.
+
+    The factor of all channels is 0 for samples up to `start` and from `end` on, 1 from
+    `start + ease` to `end - ease`.
+    """
+
+    start: int
+    end: int
+    ease: int  # samples
+    channels: tuple[AnyChannel, ...]
+    com: Array  # (3,) at rest [m]
+    com_height: float  # that com_z adds to [m]
+    hands: Array  # (2, 3) at rest, world [m]
+
+
+@dataclass(frozen=True, eq=False)
 class MotionPlan:
     """Stage 1: what touches the ground where and when.
 
@@ -41,4 +59,6 @@ class MotionPlan:
     step_height: float  # [m]
     com_height: float  # [m]
     zmp_offset: tuple[float, float]  # forward and inward of the sole centre [m]
-    hand_offsets: Array  # (2, 3) hands from the CoM, in axes turned with the heading [m]
+    hand_offsets: Array  # (2, 3) hands from the CoM, axes turned with the heading; NaN: free [m]
+    torso: Array  # (4,) quaternion xyzw of the torso at rest, heading ahead
+    body: BodyPlan | None = None  # None: the CoM follows from the ZMP

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from mgs.gait import Gait
+from mgs.gait import Gait, WalkGait
+from mgs.motion_planner.balance import plan_balance
 from mgs.motion_planner.motion_plan import MotionPlan
 from mgs.motion_planner.walk import plan_walk
 from mgs.robot import Robot
@@ -15,4 +16,6 @@ def plan_motion(robot: Robot, gait: Gait) -> MotionPlan:
         FootstepError: two soles would overlap.
         ConfigError: a duration does not fit the sampling period or the preview window.
     """
-    return plan_walk(robot, gait)
+    if isinstance(gait, WalkGait):
+        return plan_walk(robot, gait)
+    return plan_balance(robot, gait)

@@ -10,37 +10,38 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from mgs.contact import Footstep, Side, Support
 from mgs.errors import ConfigError, FootstepError
-from mgs.gait import Gait, WalkParameters
+from mgs.gait import WalkGait, WalkParameters
 from mgs.geometry import compose_planar, rectangle_gap, sole_corners
 from mgs.motion_planner.motion_plan import MotionPlan, Phase
+from mgs.motion_planner.standing import standing_figures
 from mgs.robot import Robot, midpoint_width
 
 Array = NDArray[np.float64]
 MIN_PHASE_SAMPLES = 5  # below this a quintic is no longer sampled
 
 
-def plan_walk(robot: Robot, gait: Gait) -> MotionPlan:
+def plan_walk(robot: Robot, gait: WalkGait) -> MotionPlan:
     """Footsteps and support phases of a walk; see `plan_motion` for the errors."""
     walk = gait.walk
     first_support = _first_support(walk)
     footsteps = plan_footsteps(walk, walk.step_width or midpoint_width(robot), first_support)
     _refuse_overlap(robot, footsteps, walk)
     _refuse_zmp_beside_sole(robot, walk)
-    com, hands = _standing_figures(robot)
+    rest = standing_figures(robot)
     return MotionPlan(
         dt=gait.dt,
         n_samples=_boundaries(walk, gait.dt)[-1] + 1,
         footsteps=footsteps,
         phases=_plan_phases(walk, gait.dt, first_support),
         step_height=walk.step_height,
-        com_height=walk.com_height or float(com[2]),
+        com_height=walk.com_height or float(rest.com[2]),
         zmp_offset=(walk.zmp_offset[0], walk.zmp_offset[1]),
-        hand_offsets=hands - com,
+        hand_offsets=rest.hands - rest.com,
+        torso=rest.torso,
     )
 
 
@@ -135,11 +136,3 @@ def _plan_phases(walk: WalkParameters, dt: float, first_support: Side) -> tuple[
     phases.append(Phase(bounds[-3], bounds[-2], Support.DOUBLE, feet))
     phases.append(Phase(bounds[-2], bounds[-1] + 1, Support.DOUBLE, feet))
     return tuple(phases)
-
-
-def _standing_figures(robot: Robot) -> tuple[Array, Array]:
-    """CoM (3,) and hands (2, 3) in the half-sitting posture, origin between the soles."""
-    data = robot.model.createData()
-    pin.framesForwardKinematics(robot.model, data, robot.standing_q)
-    com = pin.centerOfMass(robot.model, data, robot.standing_q, False).copy()
-    return com, np.array([data.oMf[frame].translation for frame in robot.hand_frames])

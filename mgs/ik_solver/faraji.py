@@ -1,0 +1,324 @@
+"""IK1 to IK5: positions solved for directly, so that a leg may stretch and bend again.
+
+S. Faraji and A. J. Ijspeert, "Singularity-tolerant inverse kinematics for bipedal robots". Tasks
+f(q) are hard (h) or soft (s); soft ones have a slack that is weighed by Q, joint steps are damped
+by R. With E = x - f(q), v = q - q_prev, xdot dt = x[k] - x[k-1], per iteration:
+
+    ik1  min |J_s dq - E_s|_Q^2 + |dq|_R^2   s.t.  J_h dq = E_h                 one iteration
+    ik2  the same, n iterations; velocities from a second problem of the same form for xdot
+    ik3  ik1 within the safety region
+    ik4  min |E_s - J_s dq + gamma (xdot dt - J_s (v + dq))|_Q^2 + |dq|_R^2     n iterations, within
+    ik5  min |E_s - J_s dq|_Q^2 + gamma |xdot dt - J_s (v + dq)|_Q^2 + |dq|_R^2 n iterations, within
+
+With q_prev given the safety region is an interval for each joint (`safety_region`), so that each
+iteration is a small QP; R damps iterations, not the solution that they converge to. A robot with
+more joints than tasks is drawn to its half-sitting posture by a term of small weight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from mgs.com_generator import ComTrajectory
+from mgs.errors import ConfigError, IkError, JointLimitError
+from mgs.gait import FarajiParameters, IkParameters
+from mgs.ik_solver.body_tasks import BodyTargets, BodyTasks, body_targets, parts_of
+from mgs.ik_solver.joint_trajectory import JointTrajectory
+from mgs.ik_solver.qp import BoundedQp, solve_equality
+from mgs.ik_solver.safety_region import SafetyRegion
+from mgs.ik_solver.stretch import stretched_joints
+from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
+from mgs.trajectory_planner import TaskTrajectory
+
+Array = NDArray[np.float64]
+POSITION_TOLERANCE, ROTATION_TOLERANCE = 1e-4, 1.7e-4  # [m], [rad] of the hard tasks
+DEFAULT_ITERATIONS = 15
+POSTURE_WEIGHT = 1e-6  # small against a squared lever arm [m^2]
+NEAR_STRETCHED = 0.08  # [rad] from where an iteration does not start
+MAX_START_ITERATIONS = 200
+CONVERGED = 1e-9  # [rad] and [m], step at which iterations end
+N_REPORTS = 50  # of progress
+
+
+@dataclass(frozen=True, kw_only=True)
+class FarajiIk:
+    """One of the five methods and its tuning."""
+
+    method: int  # 1 to 5
+    tuning: FarajiParameters = field(default_factory=FarajiParameters)
+    iterations: int = DEFAULT_ITERATIONS  # n of ik2, ik4 and ik5
+    keep: bool = False  # record a missed hard task or a broken limit instead of refusing it
+
+    @classmethod
+    def from_parameters(cls, parameters: IkParameters) -> FarajiIk:
+        """Solver with the tuning of a gait file."""
+        iterations = parameters.iterations
+        if iterations == 0:
+            raise ConfigError("ik.iterations", "0 leaves ik1 to ik5 nothing to do; at least 1")
+        return cls(
+            method=int(parameters.solver.removeprefix("ik")),
+            tuning=parameters.faraji,
+            iterations=DEFAULT_ITERATIONS if iterations is None else iterations,
+            keep=parameters.on_limit == "record",
+        )
+
+    @property
+    def is_bounded(self) -> bool:
+        """Whether the safety region holds."""
+        return self.method >= 3
+
+    def solve(
+        self,
+        robot: Robot,
+        tasks: TaskTrajectory,
+        com: ComTrajectory,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> JointTrajectory:
+        """Follow the tasks from the half-sitting posture; see `IkSolver.solve` for the errors."""
+        run = FarajiRun(self, robot, tasks, com)
+        run.start()
+        n = tasks.n_samples
+        for k in range(n):
+            run.step(k)
+            if progress is not None and (k + 1) % max(1, n // N_REPORTS) == 0:
+                progress(k + 1, n)
+        return run.finish()
+
+
+class FarajiRun:
+    """One pass over a trajectory: the buffers, and one step per sample.
+
+    Attributes:
+        q: (7 + n,) configuration after the last step.
+        H, g, A, b: the quadratic program of the last iteration, in dq (6 + n,).
+    """
+
+    def __init__(
+        self, solver: FarajiIk, robot: Robot, tasks: TaskTrajectory, com: ComTrajectory
+    ) -> None:
+        self.solver, self.robot, self.dt = solver, robot, tasks.dt
+        tuning = solver.tuning
+        hard, soft = parts_of(tuning.hard, tasks), parts_of(tuning.soft, tasks)
+        self.tasks = BodyTasks(robot, (*hard, *soft))
+        self.targets: BodyTargets = body_targets((*hard, *soft), tasks, com)
+        m, nv = self.tasks.m, robot.model.nv
+        m_soft = sum(_size(self.tasks.rows[part]) for part in soft)
+        m_hard = m - m_soft
+        self.J_hard, self.J_soft = self.tasks.J[:m_hard], self.tasks.J[m_hard:]
+        self.error = np.zeros(m)
+        self.E_hard, self.E_soft = self.error[:m_hard], self.error[m_hard:]
+        self.steps_hard, self.steps_soft = np.split(self.targets.steps, [m_hard], axis=1)
+        gamma = tuning.gamma if solver.method >= 4 else 0.0
+        self.gamma, self.gamma_hard = gamma, gamma if tuning.gamma_rows == "all" else 0.0
+        # ik4 squares (1 + gamma) J dq - (E + gamma ...), ik5 adds two squares: the same minimiser
+        # of the soft rows, other weights against the damping
+        self.weight = self._weights(soft) * ((1.0 + gamma) if solver.method == 5 else 1.0)
+        self.weight *= (1.0 + gamma) ** 2 if solver.method == 4 else 1.0
+        self.iterations = solver.iterations if solver.method in (2, 4, 5) else 1
+        spare = nv - m
+        posture = tuning.posture_weight
+        default = POSTURE_WEIGHT if spare > 0 else 0.0
+        # beside the soft rows' own pull at rest, where the gamma term is nothing
+        self.posture_weight = (default if posture is None else posture) * (
+            1.0 + gamma if solver.method == 4 else 1.0
+        )
+        self.damping = np.full(nv, tuning.damping)
+        self.damping[FLOATING_BASE_NV:] += self.posture_weight
+        self.region = SafetyRegion(
+            robot.lower + tuning.margin,
+            robot.upper - tuning.margin,
+            _speed_max(robot, tuning),
+            tasks.dt,
+            tuning.region,
+        )
+        self.stretched, self.stretched_at = stretched_joints(robot)
+        self.qp = BoundedQp(nv, m_hard)
+        self.low, self.high = np.empty(robot.n), np.empty(robot.n)
+        self.q = robot.standing_q.copy()
+        self.H, self.g = np.zeros((nv, nv)), np.zeros(nv)
+        self.A, self.b = self.J_hard, np.zeros(m_hard)
+        self._diagonal = self.H.ravel()[:: nv + 1]  # a view
+        self._WJ = np.zeros((m_soft, nv))
+        self.configurations = np.empty((tasks.n_samples, robot.model.nq))
+        self.velocities = np.empty((tasks.n_samples, robot.n)) if solver.method == 2 else None
+        self.elastic: list[int] = []
+        self.recovering: list[int] = []
+
+    def _weights(self, soft: tuple[str, ...]) -> Array:
+        """Q (m_soft, 1), row by row."""
+        named = self.solver.tuning.soft
+        rows: list[float] = []
+        for part in soft:
+            name = "soles" if part.endswith("sole") else "hands" if part.endswith("hand") else part
+            weights = named[name]  # type: ignore[index]
+            rows += [*weights, *weights] if name == "soles" else weights
+        return np.array(rows)[:, None]
+
+    def start(self) -> None:
+        """Bring q from the half-sitting posture onto the first sample, at any speed."""
+        region, joints = self.region, self.robot.posture
+        outside = np.flatnonzero((joints < region.lower) | (joints > region.upper))
+        if len(outside):
+            j = int(outside[0])
+            raise ConfigError(
+                "ik.faraji.margin",
+                f"the posture has {self.robot.joint_names[j]} at {joints[j]:.4f} rad, outside "
+                f"[{region.lower[j]:.4f}, {region.upper[j]:.4f}], its range less the margin; "
+                "use a smaller margin",
+            )
+        self.low[:], self.high[:] = region.lower, region.upper
+        for _ in range(MAX_START_ITERATIONS):
+            if self._iterate(0, 0.0, 0.0, None) < CONVERGED:
+                break
+
+    def step(self, k: int) -> None:
+        """Go on to sample k."""
+        q_prev, solver = self.q, self.solver
+        if solver.is_bounded:
+            if self.region.interval(q_prev[FLOATING_BASE_NQ:], self.low, self.high):
+                self.recovering.append(k)
+            if self.gamma or self.iterations > 1:
+                self._leave_singularity()
+        for _ in range(self.iterations):
+            moved = self._iterate(k, self.gamma, self.gamma_hard, q_prev)
+            if moved < CONVERGED:
+                break
+        if self.qp.elastic and solver.is_bounded:
+            self.elastic.append(k)
+        self.configurations[k] = self.q
+        if self.velocities is not None:
+            self.velocities[k] = self._second_problem(k)
+
+    def _leave_singularity(self) -> None:
+        """Start from bent limbs: at a singularity linearised hard rows contradict the bounds."""
+        q = self.q.copy()
+        joints = q[FLOATING_BASE_NQ:]
+        for j, angle in zip(self.stretched, self.stretched_at, strict=True):
+            if abs(joints[j] - angle) < NEAR_STRETCHED:
+                inward = self.region.middle[j] > angle
+                joints[j] = self.high[j] if inward else self.low[j]
+        self.q = q
+
+    def _iterate(self, k: int, gamma: float, gamma_hard: float, q_prev: Array | None) -> float:
+        """One linearisation about q, one step; the largest part of the step."""
+        tasks, q = self.tasks, self.q
+        tasks.update(q)
+        tasks.error(self.targets.x[k], self.targets.rotations[k], self.error)
+        np.copyto(self.b, self.E_hard)
+        if gamma and q_prev is not None:
+            v = pin.difference(self.robot.model, q_prev, q)
+            self.E_soft += gamma * (self.steps_soft[k] - self.J_soft.dot(v))
+            self.E_soft /= 1.0 + gamma
+            if gamma_hard:
+                self.b += gamma_hard * (self.steps_hard[k] - self.J_hard.dot(v))
+                self.b /= 1.0 + gamma_hard
+        self._set_objective(self.E_soft)
+        joints = q[FLOATING_BASE_NQ:]
+        if self.posture_weight:
+            self.g[FLOATING_BASE_NV:] -= self.posture_weight * (self.robot.posture - joints)
+        if not self.solver.is_bounded:
+            dq = solve_equality(self.H, self.g, self.A, self.b)
+            self.q = pin.integrate(self.robot.model, q, dq)
+        else:
+            np.subtract(self.low, joints, out=self.qp.low)
+            np.subtract(self.high, joints, out=self.qp.high)
+            dq = self.qp.solve(self.H, self.g, self.A, self.b)
+            self.q = pin.integrate(self.robot.model, q, dq)
+            joints = self.q[FLOATING_BASE_NQ:]
+            np.maximum(joints, self.low, out=joints)  # to rounding
+            np.minimum(joints, self.high, out=joints)
+        return float(np.abs(dq).max())
+
+    def _set_objective(self, soft_error: Array) -> None:
+        """Fill H = J_s^T W J_s + R and g = -J_s^T W e."""
+        np.multiply(self.J_soft, self.weight, out=self._WJ)
+        np.dot(self.J_soft.T, self._WJ, out=self.H)
+        self._diagonal += self.damping
+        np.dot(soft_error, self._WJ, out=self.g)
+        np.negative(self.g, out=self.g)
+
+    def _second_problem(self, k: int) -> Array:
+        """Joint velocities (n,) of ik2, eq. (5)."""
+        self.tasks.update(self.q)
+        self._set_objective(self.steps_soft[k])
+        dq = solve_equality(self.H, self.g, self.A, self.steps_hard[k])
+        return dq[FLOATING_BASE_NV:] / self.dt
+
+    def finish(self) -> JointTrajectory:
+        """The joint trajectory; raises IkError or JointLimitError where tasks or limits are missed.
+
+        The hard tasks are measured anew at every sample, not taken from the last linearisation.
+        """
+        errors = self.task_errors()[:, : len(self.E_hard)]
+        if not self.solver.keep:
+            self._refuse_misses(errors)
+            self._refuse_limits()
+        return JointTrajectory(
+            self.configurations[:, FLOATING_BASE_NQ:].copy(),
+            self.velocities,
+            {
+                "hard_error": float(np.abs(errors).max()),
+                "elastic_samples": len(self.elastic),
+                "recovering_samples": len(self.recovering),
+            },
+        )
+
+    def task_errors(self) -> Array:
+        """Target minus actual (N, m) at every sample, hard rows first."""
+        errors = np.empty((len(self.configurations), self.tasks.m))
+        for k, q in enumerate(self.configurations):
+            self.tasks.update(q)
+            self.tasks.error(self.targets.x[k], self.targets.rotations[k], errors[k])
+        return errors
+
+    def _refuse_misses(self, errors: Array) -> None:
+        """Raise IkError at the first sample at which a hard task is missed."""
+        first: tuple[int, str, float, float, str] | None = None
+        for part in self.tasks.parts:
+            rows = self.tasks.rows[part]
+            if rows.stop > errors.shape[1]:
+                continue
+            named = [(part, rows, POSITION_TOLERANCE, "m")]
+            if part == "torso":
+                named = [("torso orientation", rows, ROTATION_TOLERANCE, "rad")]
+            elif part.endswith("sole"):
+                middle = rows.start + 3
+                turn = (f"{part} orientation", slice(middle, rows.stop), ROTATION_TOLERANCE, "rad")
+                named = [(part, slice(rows.start, middle), POSITION_TOLERANCE, "m"), turn]
+            for name, chosen, tolerance, unit in named:
+                sizes = np.linalg.norm(errors[:, chosen], axis=1)
+                missed = np.flatnonzero(~(sizes <= tolerance))
+                if len(missed) and (first is None or missed[0] < first[0]):
+                    k = int(missed[0])
+                    first = (k, name.replace("_", " "), float(sizes[k]), tolerance, unit)
+        if first is not None:
+            k, name, size, tolerance, unit = first
+            raise IkError(k * self.dt, name, size, tolerance, unit)
+
+    def _refuse_limits(self) -> None:
+        joints, robot = self.configurations[:, FLOATING_BASE_NQ:], self.robot
+        outside = np.argwhere((joints < robot.lower) | (joints > robot.upper))
+        if len(outside):
+            k, j = outside[0]
+            raise JointLimitError(
+                float(k * self.dt),
+                robot.joint_names[j],
+                float(joints[k, j]),
+                float(robot.lower[j]),
+                float(robot.upper[j]),
+            )
+
+
+def _size(rows: slice) -> int:
+    return int(rows.stop - rows.start)
+
+
+def _speed_max(robot: Robot, tuning: FarajiParameters) -> Array:
+    if tuning.speed_max is None:
+        return robot.speed_limit
+    return np.minimum(tuning.speed_max, robot.speed_limit)

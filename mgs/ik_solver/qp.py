@@ -1,0 +1,117 @@
+"""The small quadratic program of one iteration: equalities, and bounds on the joints.
+
+    min 1/2 x^T H x + g^T x   s.t.   A x = b,   low <= x_joints <= high
+
+Solved by DAQP, a dual active-set method (Arnstroem, Bemporad, Axehill, IEEE Trans. Automatic
+Control 67(8), 2022), chosen by measurement on these problems (docs/benchmarks.md).
+"""
+
+from __future__ import annotations
+
+import daqp
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lapack
+
+from mgs.robot import FLOATING_BASE_NV
+
+Array = NDArray[np.float64]
+EQUALITY = 5  # DAQP's mark of an equality
+FREE = 1e30  # the bound of what has none
+ELASTIC_WEIGHT = 1e6  # of the equalities where they cannot be met
+TOLERANCE = 1e-9  # of DAQP, on bounds and equalities
+SOLVED = 1  # DAQP's exit flag
+
+
+class BoundedQp:
+    """Workspace for problems with n unknowns, the base twist first, and m equalities.
+
+    Attributes:
+        lam: (n + m,) multipliers of the last solve, bounds first; positive at an upper bound.
+        elastic: whether the last solve had to give up the equalities.
+    """
+
+    def __init__(self, n: int, m: int) -> None:
+        self.n, self.m = n, m
+        self.upper, self.lower = np.full(n + m, FREE), np.full(n + m, -FREE)
+        self.sense = np.zeros(n + m, np.int32)
+        self.sense[n:] = EQUALITY
+        self.high, self.low = self.upper[FLOATING_BASE_NV:n], self.lower[FLOATING_BASE_NV:n]
+        self.lam = np.zeros(n + m)
+        self.elastic = False
+
+    def solve(self, H: Array, g: Array, A: Array, b: Array) -> Array:
+        """Minimiser (n,) for the bounds in `low` and `high` (n - 6,).
+
+        Where bounds and equalities contradict each other the equalities are met as far as the
+        bounds permit, in the least-squares sense.
+        """
+        self.upper[self.n :] = b
+        self.lower[self.n :] = b
+        x, _, flag, info = daqp.solve(
+            H, g, A, self.upper, self.lower, self.sense, primal_tol=TOLERANCE
+        )
+        self.elastic = flag != SOLVED
+        if self.elastic:
+            return self._solve_elastic(H, g, A, b)
+        self.lam = info["lam"]
+        return x
+
+    def _solve_elastic(self, H: Array, g: Array, A: Array, b: Array) -> Array:
+        n = self.n
+        x, _, flag, info = daqp.solve(
+            H + ELASTIC_WEIGHT * A.T @ A,
+            g - ELASTIC_WEIGHT * A.T @ b,
+            np.empty((0, n)),
+            self.upper[:n],
+            self.lower[:n],
+            self.sense[:n],
+            primal_tol=TOLERANCE,
+        )
+        if flag != SOLVED:  # a strictly convex problem with bounds alone has a solution
+            raise ArithmeticError(f"DAQP ended with exit flag {flag}")
+        self.lam[:n] = info["lam"]
+        self.lam[n:] = ELASTIC_WEIGHT * (A @ x - b)
+        return x
+
+
+def kkt_residual(
+    H: Array, g: Array, A: Array, b: Array, bounds: Array, x: Array, lam: Array
+) -> float:
+    """Largest violation of the optimality conditions by x (n,) with multipliers lam (n + m,).
+
+    `bounds` (2, n) are lower and upper ones. Stationarity, feasibility, complementarity and signs.
+    """
+    n = len(x)
+    at_bounds, at_equalities = lam[:n], lam[n:]
+    low, high = bounds
+    stationarity = H @ x + g + at_bounds + A.T @ at_equalities
+    slack = np.where(at_bounds > 0.0, high - x, np.where(at_bounds < 0.0, x - low, 0.0))
+    parts = (
+        np.abs(stationarity),
+        np.abs(A @ x - b),
+        np.maximum(low - x, 0.0),
+        np.maximum(x - high, 0.0),
+        np.abs(at_bounds * slack),
+    )
+    return float(max(part.max(initial=0.0) for part in parts))
+
+
+def solve_equality(H: Array, g: Array, A: Array, b: Array) -> Array:
+    """Minimiser (n,) without bounds: the closed form, eq. (2) of Faraji and Ijspeert.
+
+    H is positive definite; dependent rows of A are met in the least-squares sense.
+    """
+    n = len(g)
+    _, X, info = lapack.dposv(H, np.column_stack([A.T, -g]))
+    if info != 0:
+        raise ArithmeticError("H is not positive definite")
+    Y, free = X[:, :-1], X[:, -1]
+    S = A @ Y
+    S.ravel()[:: len(b) + 1] += 1e-12 * np.trace(S) / len(b)
+    factor, info = lapack.dpotrf(S)
+    x = free
+    for _ in range(2):  # the second pass takes back what the damping of S has left
+        x = x + Y @ lapack.dpotrs(factor, b - A @ x)[0]
+    assert x.shape == (n,)
+    return np.asarray(x)

@@ -1,0 +1,121 @@
+"""A walk: what soles, hands and ZMP shall do at every sample.
+
+The ZMP rests at a place inside the support sole and moves to the next one by a minimum-jerk blend
+while both soles are down. A swing sole follows the same blend along the ground and a bump of
+step_height above it, so that it lifts off and lands without speed or acceleration.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mgs.contact import Footstep, Side, Support
+from mgs.geometry import bump, quat_multiply, quat_xyzw_from_yaw, quintic, rotate_planar
+from mgs.motion_planner import MotionPlan, Phase
+from mgs.trajectory_planner.task_trajectory import TaskTrajectory
+
+Array = NDArray[np.float64]
+
+
+def plan_walk_trajectories(plan: MotionPlan) -> TaskTrajectory:
+    """Trajectories of ZMP, soles and hands for a walk."""
+    n = plan.n_samples
+    support, root = np.empty(n, np.int8), np.empty(n, np.int8)
+    planar, height = np.empty((n, 2, 3)), np.zeros((n, 2))
+    zmp, load_left = np.empty((n, 2)), np.empty(n)
+    spots = [_zmp_spot(footstep, plan.zmp_offset) for footstep in plan.footsteps]
+    poses = [np.array([f.x, f.y, f.yaw]) for f in plan.footsteps]
+    load = 0.5  # at rest both soles carry the same
+    for phase, following, side in zip(
+        plan.phases, [*plan.phases[1:], None], _roots(plan.phases), strict=True
+    ):
+        span = slice(phase.start, phase.end)
+        blend = quintic(np.arange(phase.end - phase.start) / (phase.end - phase.start))
+        support[span] = phase.support
+        root[span] = side
+        planar[span] = np.stack([poses[foot] for foot in phase.feet])
+        if phase.target is not None:
+            _swing(plan, phase, poses, planar, height)
+        target = _load_at_end(plan, phase, following, load)
+        load_left[span] = load + (target - load) * blend
+        left, right = (spots[foot] for foot in phase.feet)
+        zmp[span] = right + load_left[span, None] * (left - right)
+        load = target
+    return TaskTrajectory(
+        dt=plan.dt,
+        support=support,
+        root=root,
+        zmp_ref=zmp,
+        load_left=load_left,
+        soles=_sole_poses(planar, height),
+        hands=_hands(plan, planar),
+        com_height=np.full(n, plan.com_height),
+        torso=_torso(plan, planar),
+    )
+
+
+def _zmp_spot(footstep: Footstep, offset: tuple[float, float]) -> Array:
+    """Where the ZMP rests in a sole; the offset is forward and inward of its centre."""
+    forward, inward = offset
+    local = [forward, -footstep.side.sign * inward]
+    return np.array([footstep.x, footstep.y]) + rotate_planar(local, footstep.yaw)
+
+
+def _roots(phases: tuple[Phase, ...]) -> list[Side]:
+    """The sole that the IK stands on: the support side, in double support already the next one."""
+    roots: list[Side] = []
+    upcoming: Side | None = None
+    for phase in reversed(phases):
+        if phase.support is not Support.DOUBLE:
+            upcoming = phase.support.sides[0]
+        roots.append(upcoming if upcoming is not None else _last_single(phases))
+    return roots[::-1]
+
+
+def _last_single(phases: tuple[Phase, ...]) -> Side:
+    """Side of the last single support; left where there is none."""
+    singles = [p.support.sides[0] for p in phases if p.support is not Support.DOUBLE]
+    return singles[-1] if singles else Side.LEFT
+
+
+def _load_at_end(plan: MotionPlan, phase: Phase, following: Phase | None, load: float) -> float:
+    """Share of the left sole when a phase ends."""
+    if phase.support is not Support.DOUBLE or phase is plan.phases[0]:
+        return load
+    if following is None or following.support is Support.DOUBLE:
+        return 0.5  # the last shift ends, and the lead-out rests, midway
+    return 1.0 if following.support is Support.LEFT else 0.0
+
+
+def _swing(
+    plan: MotionPlan, phase: Phase, poses: list[Array], planar: Array, height: Array
+) -> None:
+    """Fill planar pose and height of the swing sole over one single support."""
+    assert phase.target is not None
+    swing = plan.footsteps[phase.target].side
+    s = np.arange(phase.end - phase.start) / (phase.end - phase.start)
+    start, target = poses[phase.feet[swing]], poses[phase.target]
+    planar[phase.start : phase.end, swing] = start + quintic(s)[:, None] * (target - start)
+    height[phase.start : phase.end, swing] = plan.step_height * bump(s)
+
+
+def _sole_poses(planar: Array, height: Array) -> Array:
+    return np.concatenate(
+        [planar[..., :2], height[..., None], quat_xyzw_from_yaw(planar[..., 2])], axis=-1
+    )
+
+
+def _hands(plan: MotionPlan, planar: Array) -> Array:
+    """Hands at constant offsets from the CoM, turned with the mean yaw of the soles."""
+    heading = planar[..., 2].mean(axis=1)
+    hands = np.empty((plan.n_samples, 2, 3))
+    hands[..., 2] = plan.hand_offsets[:, 2]
+    for side in Side:
+        hands[:, side, :2] = rotate_planar(plan.hand_offsets[side, :2], heading)
+    return hands
+
+
+def _torso(plan: MotionPlan, planar: Array) -> Array:
+    """As at rest, turned with the mean yaw of the soles."""
+    return quat_multiply(quat_xyzw_from_yaw(planar[..., 2].mean(axis=1)), plan.torso)
