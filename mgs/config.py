@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import difflib
 import re
+import types
+import typing
 from collections.abc import Hashable, Iterable
 from pathlib import Path
 from typing import Annotated, Any, Literal, NoReturn, TypeVar
@@ -151,12 +153,14 @@ def build(model: type[M], tree: Any, source: str | Path) -> M:
 
 
 def _explain(model: type[Model], item: Any) -> str:
-    # a tagged union puts its tag into the location, where the file has no key of that name
-    location = _clip(".".join(str(part) for part in item["loc"]) or "file", 100)
-    kind, message = item["type"], item["msg"]
+    keys, options = _locate(model, item["loc"])
+    if keys[1:] and keys[-1] == "[key]" and item["input"] == keys[-2]:  # the key itself is wrong
+        keys.pop()
+    location = _clip(".".join(str(key) for key in keys) or "file", 100)
+    kind, message, found = item["type"], item["msg"], item["input"]
     if kind == "extra_forbidden":
-        known = _known_keys(model, item["loc"])
-        close = difflib.get_close_matches(str(item["loc"][-1])[:40], known, n=1)
+        known = list(options[0].model_fields) if len(options) == 1 else []
+        close = difflib.get_close_matches(str(keys[-1])[:40], known, n=1)
         hint = f"did you mean {close[0]!r}?" if close else f"known here: {', '.join(sorted(known))}"
         return f"{location}: unknown key; {hint}"
     if kind == "missing":
@@ -164,19 +168,56 @@ def _explain(model: type[Model], item: Any) -> str:
     if kind == "value_error":  # our own validators, which name keys and values themselves
         message = message.removeprefix("Value error, ")
         return message if location == "file" else f"{location}: {message}"
-    return f"{location}: {message[0].lower()}{message[1:]}, found {_short(item['input'])}"
+    if kind.startswith("union_tag"):  # an unknown or missing value of the key that names the kind
+        tag = item["ctx"]["discriminator"].strip("'")
+        allowed = ", ".join(repr(value) for option in options for value in _literals(option, tag))
+        if tag not in found:
+            return f"{location}.{tag}: missing, should be one of {allowed}"
+        return f"{location}.{tag}: input should be one of {allowed}, found {_short(found[tag])}"
+    if kind == "model_attributes_type":
+        message = "input should be a valid dictionary"
+    return f"{location}: {message[0].lower()}{message[1:]}, found {_short(found)}"
 
 
-def _known_keys(model: type[Model], loc: Iterable[Any]) -> list[str]:
-    """Keys allowed where an unknown one was found."""
-    current: Any = model
-    for part in list(loc)[:-1]:
-        field = current.model_fields.get(part) if current is not None else None
-        if field is None:  # a key that people choose, such as the name of a servo
+def _locate(model: type[Model], loc: Iterable[Any]) -> tuple[list[Any], list[Any]]:
+    """The keys in the file that a location means, and the models that may stand there.
+
+    For an unknown key these are the models that may hold it. A tagged union puts its tag into the
+    location, where the file has no key of that name.
+    """
+    keys: list[Any] = []
+    annotation: Any = model
+    for part in loc:
+        if typing.get_origin(annotation) is Annotated:
+            annotation = typing.get_args(annotation)[0]
+        options = _options(annotation)
+        if len(options) > 1:
+            annotation = next(
+                o for o in options if any(part in _literals(o, k) for k in o.model_fields)
+            )
             continue
-        options = [field.annotation, *getattr(field.annotation, "__args__", ())]
-        current = next((o for o in options if hasattr(o, "model_fields")), None)
-    return list(current.model_fields) if current is not None else []
+        keys.append(part)
+        field = options[0].model_fields.get(part) if options else None
+        if field is not None:
+            annotation = field.annotation
+        elif not options:  # an item of a list, or a key that people choose: the name of a servo
+            annotation = next(iter(reversed(typing.get_args(annotation))), None)
+    return keys, _options(annotation)
+
+
+def _options(annotation: Any) -> list[Any]:
+    """Models that a value of this type may be; none for numbers, lists and so on."""
+    if isinstance(annotation, type) and issubclass(annotation, Model):
+        return [annotation]
+    if typing.get_origin(annotation) in (Annotated, typing.Union, types.UnionType):
+        return [option for part in typing.get_args(annotation) for option in _options(part)]
+    return []
+
+
+def _literals(model: type[Model], key: str) -> tuple[Any, ...]:
+    """Values that a key may have, where they are listed."""
+    annotation = model.model_fields[key].annotation
+    return typing.get_args(annotation) if typing.get_origin(annotation) is Literal else ()
 
 
 def _short(value: object, limit: int = 60) -> str:

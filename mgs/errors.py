@@ -86,7 +86,7 @@ class IkError(InfeasibleGaitError):
         super().__init__(
             f"t = {t:.3f} s: {task} is {residual:.3g} {unit} off, {tolerance:.3g} {unit} allowed; "
             "it is probably out of reach: try a shorter step_length, a lower com_height or "
-            "a longer single_support"
+            "a longer single_support; in a balance motion smaller channels or a longer ease"
         )
         self.t, self.task, self.residual, self.tolerance = t, task, residual, tolerance
 
@@ -99,7 +99,8 @@ class JointLimitError(InfeasibleGaitError):
         super().__init__(
             f"t = {t:.3f} s: joint {joint} at {position:.4f} rad is {excess:.4f} rad outside "
             f"its range [{lower:.4f}, {upper:.4f}]; try a larger ik.gamma_joint, a shorter "
-            "step_length or another com_height, or set ik.on_limit: record to keep the motion"
+            "step_length, smaller channels or another com_height, or set ik.on_limit: record to "
+            "keep the motion"
         )
         self.t, self.joint, self.position = t, joint, position
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import yaml
-from pydantic import Field, TypeAdapter, model_validator
+from pydantic import Field, TypeAdapter, create_model, model_validator
 
 from mgs.config import FormatVersion, Model, build, is_file, parse_yaml, read_text, set_key
 from mgs.errors import ConfigError
@@ -106,14 +106,14 @@ class Channel(Model):
 class ConstantChannel(Channel):
     """A constant displacement."""
 
-    wave: Literal["constant"]
+    wave: Literal["constant"] = Field(description="Kind of channel.")
     value: Displacement = Field(description="[m] or [rad]")
 
 
 class SineChannel(Channel):
     """amplitude sin(2 pi frequency t + phase), t from the start of the motion."""
 
-    wave: Literal["sine"]
+    wave: Literal["sine"] = Field(description="Kind of channel.")
     amplitude: Displacement = Field(description="[m] or [rad]")
     frequency: Frequency = Field(description="[Hz]")
     phase: float = Field(0.0, ge=-10.0, le=10.0, description="[rad]")
@@ -122,7 +122,7 @@ class SineChannel(Channel):
 class RampChannel(Channel):
     """From 0 to `value` between two times, minimum jerk; stays there."""
 
-    wave: Literal["ramp"]
+    wave: Literal["ramp"] = Field(description="Kind of channel.")
     value: Displacement = Field(description="[m] or [rad]")
     start: float = Field(ge=0.0, le=MAX_SECONDS, description="[s]")
     end: float = Field(ge=0.0, le=MAX_SECONDS, description="[s]")
@@ -137,7 +137,7 @@ class RampChannel(Channel):
 class FigureEightChannel(Model):
     """A figure eight in a plane: width along its first axis, height along its second."""
 
-    wave: Literal["figure_eight"]
+    wave: Literal["figure_eight"] = Field(description="Kind of channel.")
     task: Literal["com", "left_hand", "right_hand"] = Field(description="Point that draws it.")
     plane: Literal["xy", "xz", "yx", "yz", "zx", "zy"] = Field("yz", description="Long axis first.")
     width: Displacement = Field(description="From end to end along the first axis [m].")
@@ -170,7 +170,9 @@ class BalanceParameters(Model):
         description="How far the CoM may stay behind its reference [m]; more than the default "
         "where more is asked than the robot can reach.",
     )
-    channels: list[AnyChannel] = Field(min_length=1, max_length=100)
+    channels: list[AnyChannel] = Field(
+        min_length=1, max_length=100, description="What moves; channels of the same task add up."
+    )
 
     @model_validator(mode="after")
     def _has_room_for_its_ends(self) -> BalanceParameters:
@@ -415,12 +417,17 @@ def parse_gait(text: str, source: str | Path, assignments: tuple[str, ...] = ())
     tree: Any = parse_yaml(text, source)
     for assignment in assignments:
         set_key(tree, assignment)
-    kind = tree.get("motion", "walk") if isinstance(tree, dict) else "walk"
-    if not isinstance(kind, str) or kind not in GAITS:
-        raise ConfigError(
-            source, f"motion: should be one of {', '.join(GAITS)}, found {kind!r}"[:200]
-        )
-    return build(GAITS[kind], tree, source)
+    return build(_kind_of(tree), tree, source)
+
+
+def _kind_of(tree: Any) -> type[WalkGait] | type[BalanceGait]:
+    """The kind that `motion` names; else one that refuses it and checks the block that is there."""
+    kind = tree.get("motion") if isinstance(tree, dict) else None
+    if isinstance(kind, str) and kind in GAITS:
+        return GAITS[kind]
+    looks_like = "balance" if isinstance(tree, dict) and "balance" in tree else "walk"
+    any_kind: Any = Literal[tuple(GAITS)]
+    return create_model("GaitOfUnknownKind", __base__=GAITS[looks_like], motion=(any_kind, ...))
 
 
 def find_gait(name_or_path: str | Path) -> Path:

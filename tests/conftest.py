@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import pytest
@@ -44,7 +45,20 @@ def walk_5cm(melson: Robot) -> Stages:
 
 @pytest.fixture(scope="session", params=list_gaits())
 def shipped(request: pytest.FixtureRequest) -> Generated:
-    """Every shipped gait in turn; one that names no robot is walked by Melson."""
-    gait = load_gait(request.param)
+    """Every shipped gait in turn; one that names no robot is Melson's."""
+    return generated(request.param)
+
+
+@pytest.fixture(
+    scope="session", params=[name for name in list_gaits() if load_gait(name).motion == "walk"]
+)
+def shipped_walk(request: pytest.FixtureRequest) -> Generated:
+    """Those shipped gaits that are walks."""
+    return generated(request.param)
+
+
+@functools.cache
+def generated(name: str) -> Generated:
+    gait = load_gait(name)
     robot = load_robot(gait.robot or "melson")
-    return Generated(robot, gait, generate(robot, gait, request.param))
+    return Generated(robot, gait, generate(robot, gait, name))

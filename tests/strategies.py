@@ -6,7 +6,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from mgs.gait import ComParameters, Gait, IkParameters, WalkParameters
+from mgs.gait import BalanceGait, ComParameters, IkParameters, WalkGait, WalkParameters
 
 
 def walk_gait(
@@ -14,9 +14,9 @@ def walk_gait(
     com: dict[str, Any] | None = None,
     ik: dict[str, Any] | None = None,
     **walk: Any,
-) -> Gait:
+) -> WalkGait:
     """A walk with the defaults of the gait file but for what is given."""
-    return Gait(
+    return WalkGait(
         mgs=1,
         motion="walk",
         dt=dt,
@@ -26,12 +26,50 @@ def walk_gait(
     )
 
 
+def balance_gait(
+    *channels: dict[str, Any],
+    dt: float = 0.01,
+    ik: dict[str, Any] | None = None,
+    **balance: Any,
+) -> BalanceGait:
+    """A balance motion of 4 s with the defaults of the gait file but for what is given."""
+    tree = {"duration": 4.0, "channels": list(channels), **balance}
+    return BalanceGait.model_validate(
+        {"mgs": 1, "motion": "balance", "dt": dt, "balance": tree, "ik": ik or {}}
+    )
+
+
+def sine(task: str, amplitude: float, frequency: float = 0.5, **more: float) -> dict[str, Any]:
+    return {"task": task, "wave": "sine", "amplitude": amplitude, "frequency": frequency, **more}
+
+
+def constant(task: str, value: float) -> dict[str, Any]:
+    return {"task": task, "wave": "constant", "value": value}
+
+
+def ramp(task: str, value: float, start: float, end: float) -> dict[str, Any]:
+    return {"task": task, "wave": "ramp", "value": value, "start": start, "end": end}
+
+
+def figure_eight(
+    task: str, plane: str, width: float, height: float, frequency: float = 0.5
+) -> dict[str, Any]:
+    return {
+        "task": task,
+        "wave": "figure_eight",
+        "plane": plane,
+        "width": width,
+        "height": height,
+        "frequency": frequency,
+    }
+
+
 def numbers(low: float, high: float) -> st.SearchStrategy[float]:
     return st.floats(low, high, allow_nan=False, width=64)
 
 
 @st.composite
-def walks(draw: st.DrawFn, max_steps: int = 8) -> Gait:
+def walks(draw: st.DrawFn, max_steps: int = 8) -> WalkGait:
     """Walks whose footsteps do not overlap on Melson (soles 106 mm x 60 mm).
 
     Some of them need more reach than it has: enough for the first three stages.
@@ -54,7 +92,7 @@ def walks(draw: st.DrawFn, max_steps: int = 8) -> Gait:
 
 
 @st.composite
-def legal_gaits(draw: st.DrawFn, max_steps: int = 300, longest: float = 20.0) -> Gait:
+def legal_gaits(draw: st.DrawFn, max_steps: int = 300, longest: float = 20.0) -> WalkGait:
     """Gaits from all over what a gait file allows, whether any robot can walk them or not.
 
     No phase is longer than `longest` [s].
@@ -89,4 +127,47 @@ def legal_gaits(draw: st.DrawFn, max_steps: int = 300, longest: float = 20.0) ->
         step_height=draw(numbers(1e-6, 0.5)),
         com_height=draw(st.none() | numbers(1e-3, 3.0)),
         zmp_offset=draw(st.just([0.0, 0.0]) | st.lists(numbers(-1.0, 1.0), min_size=2, max_size=2)),
+    )
+
+
+BODY_TASKS = [
+    "com_x", "com_y", "com_z", "torso_roll", "torso_pitch", "torso_yaw",
+    "left_hand_x", "left_hand_y", "left_hand_z", "right_hand_x", "right_hand_y", "right_hand_z",
+]  # fmt: skip
+
+
+@st.composite
+def channels(draw: st.DrawFn) -> dict[str, Any]:
+    """One channel of up to 2 cm or 0.02 rad; four of them stay between the feet."""
+    size, frequency = numbers(-0.02, 0.02), draw(numbers(0.05, 3.0))
+    task = draw(st.sampled_from(BODY_TASKS))
+    start = draw(numbers(0.0, 3.0))
+    return draw(
+        st.one_of(
+            st.builds(constant, st.just(task), size),
+            st.builds(sine, st.just(task), size, st.just(frequency), phase=numbers(-6.0, 6.0)),
+            st.builds(ramp, st.just(task), size, st.just(start), numbers(start + 0.1, 4.0)),
+            st.builds(
+                figure_eight,
+                st.sampled_from(["com", "left_hand", "right_hand"]),
+                st.sampled_from(["xy", "xz", "yx", "yz", "zx", "zy"]),
+                size,
+                size,
+                st.just(frequency),
+            ),
+        )
+    )
+
+
+@st.composite
+def balances(draw: st.DrawFn) -> BalanceGait:
+    """Balance motions of up to four channels, whether a robot can do them or not."""
+    rest, ease = draw(numbers(0.0, 0.8)), draw(numbers(0.05, 1.0))
+    return balance_gait(
+        *draw(st.lists(channels(), min_size=1, max_size=4)),
+        dt=draw(st.sampled_from([0.005, 0.01, 0.02])),
+        rest=rest,
+        ease=ease,
+        duration=draw(numbers(2.0 * (rest + ease) + 0.1, 5.0)),
+        com_height=draw(st.none() | numbers(0.2, 0.28)),
     )

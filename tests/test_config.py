@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from mgs.config import MAX_BYTES, MAX_DEPTH, parse_yaml, set_key
 from mgs.errors import ConfigError, InputError, MgsError
-from mgs.gait import Gait, load_gait, parse_gait
+from mgs.gait import BalanceGait, Gait, WalkGait, load_gait, parse_gait
 
 WALK = "mgs: 1\nmotion: walk\nwalk: {n_steps: 4}\n"
 
@@ -110,6 +110,65 @@ def test_words_that_look_like_numbers_stay_words(text: str):
 )
 def test_an_unknown_key_is_refused_with_the_nearest_known_one(text: str, message: str):
     assert f"a.yaml: {message}" in refusal(text)
+
+
+BALANCE = "mgs: 1\nmotion: balance\nbalance: {duration: 4.0, channels: [%s]}"
+SINE = "task: com_y, wave: sine, amplitude: 0.1, frequency: 1.0"
+WAVES = "should be one of 'constant', 'sine', 'ramp', 'figure_eight'"
+
+
+@pytest.mark.parametrize(
+    ("channel", "message"),
+    [
+        (f"{{{SINE}, amplitud: 1.0}}", "0.amplitud: unknown key; did you mean 'amplitude'?"),
+        (
+            f"{{{SINE}}}, {{{SINE}, zzz: 1.0}}",
+            "1.zzz: unknown key; known here: amplitude, frequency, phase, task, wave",
+        ),
+        (
+            "{wave: figure_eight, task: com, width: 0.1, height: 0.1, frequency: 1.0, plan: yz}",
+            "0.plan: unknown key; did you mean 'plane'?",
+        ),
+        ("{task: com_y, amplitude: 0.1}", f"0.wave: missing, {WAVES}"),
+        ("{task: com_y, wave: sinus}", f"0.wave: input {WAVES}, found 'sinus'"),
+        ("{task: com_y, wave: 3}", f"0.wave: input {WAVES}, found 3"),
+        ("{task: com_y, wave: [sine]}", f"0.wave: input {WAVES}, found ['sine']"),
+        ("{task: com_y, wave: null}", f"0.wave: input {WAVES}, found None"),
+        ("{task: com_y, wave: sine, amplitude: 0.1}", "0.frequency: missing, it has no default"),
+        (
+            "{task: com_y, wave: constant, value: far}",
+            "0.value: input should be a valid number, found 'far'",
+        ),
+        ("sine", "0: input should be a valid dictionary, found 'sine'"),
+    ],
+)
+def test_what_is_wrong_in_a_list_of_several_kinds_is_told_as_anywhere_else(
+    channel: str, message: str
+):
+    """By keys of the file alone, and with the keys that the entry's own kind knows."""
+    assert refusal(BALANCE % channel) == f"a.yaml: balance.channels.{message}"
+
+
+def test_a_long_value_of_the_key_that_names_the_kind_is_cut():
+    message = refusal(BALANCE % f'{{task: com_y, wave: "{"x" * 5000}\\e[31m"}}')
+    assert len(message) < 250 and message.isprintable()
+
+
+@pytest.mark.parametrize("motion", ["fly", "3", "[walk]", "Walk"])
+def test_an_unknown_motion_is_refused_with_those_that_there_are(motion: str):
+    for block, key in (
+        ("walk: {n_step: 2}", "walk.n_step"),
+        ("balance: {rst: 1.0}", "balance.rst"),
+    ):
+        lines = refusal(f"mgs: 1\nmotion: {motion}\n{block}").splitlines()
+        found = repr(yaml.safe_load(motion))
+        assert f"a.yaml: motion: input should be 'walk' or 'balance', found {found}" in lines
+        assert any(line.startswith(f"a.yaml: {key}: unknown key; did you mean") for line in lines)
+
+
+@pytest.mark.parametrize("block", ["walk: {n_steps: 2}", "balance: {duration: 4.0}"])
+def test_a_motion_is_never_guessed(block: str):
+    assert "a.yaml: motion: missing, it has no default" in refusal(f"mgs: 1\n{block}")
 
 
 def test_every_problem_is_told_at_once():
@@ -356,7 +415,11 @@ def test_any_tree_is_a_gait_or_a_config_error(tree: object):
     parses_or_is_refused(yaml.safe_dump(tree))
 
 
-@given(st.dictionaries(st.sampled_from(sorted(Gait.model_fields)), TREES))
+@given(
+    st.dictionaries(
+        st.sampled_from(sorted({*WalkGait.model_fields, *BalanceGait.model_fields})), TREES
+    )
+)
 def test_any_tree_below_the_known_keys_is_a_gait_or_a_config_error(tree: dict[str, object]):
     parses_or_is_refused(
         yaml.safe_dump({"mgs": 1, "motion": "walk", "walk": {"n_steps": 2}} | tree)

@@ -11,8 +11,25 @@ from hypothesis import given
 from pydantic import ValidationError
 
 from mgs.errors import ConfigError
-from mgs.gait import MAX_SAMPLES, find_gait, list_gaits, load_gait, parse_gait, shipped_folder
-from tests.strategies import legal_gaits, walk_gait
+from mgs.gait import (
+    MAX_SAMPLES,
+    BalanceGait,
+    WalkGait,
+    find_gait,
+    list_gaits,
+    load_gait,
+    parse_gait,
+    shipped_folder,
+)
+from tests.strategies import (
+    balance_gait,
+    balances,
+    constant,
+    figure_eight,
+    legal_gaits,
+    sine,
+    walk_gait,
+)
 
 NAMES = ["melson/walk_5cm", "melson/walk_30_steps", "melson/walk_practical", "melson/walk_fastest"]
 
@@ -97,6 +114,25 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
             "gamma_grav_ramp": 0.2,
             "iterations": None,
             "on_limit": "refuse",
+            "faraji": {
+                "hard": ["soles", "torso", "hands"],
+                "soft": {"com": [1.0, 1.0, 1.0]},
+                "damping": 1e-4,
+                "gamma": 10.0,
+                "gamma_rows": "soft",
+                "region": "ellipse",
+                "speed_max": None,
+                "margin": 0.0,
+                "posture_weight": None,
+            },
+            "prioritized": {
+                "critical": ["soles", "com_xy"],
+                "functional": ["hands"],
+                "extraneous": ["torso", "com_z"],
+                "null_space": "tracking",
+                "feedback": 0.5,
+                "handover": 0.1,
+            },
         },
     }
 
@@ -183,3 +219,186 @@ def test_a_single_step_that_would_go_somewhere_is_refused():
     for key in ("step_length", "lateral", "step_yaw"):
         assert "walk: n_steps = 1" in refusal(walk={"n_steps": 1, key: 0.01})
     assert walk_gait(n_steps=1).walk.n_steps == 1
+
+
+# --- balance motions -------------------------------------------------------------------------
+
+BALANCE = """
+mgs: 1
+motion: balance
+balance:
+  duration: 4.0
+  channels:
+    - {task: com_y, wave: sine, amplitude: 0.02, frequency: 0.5}
+"""
+
+
+def balance_refusal(*channels: object, **balance: object) -> str:
+    tree = yaml.safe_load(BALANCE)
+    tree["balance"] |= balance
+    if channels:
+        tree["balance"]["channels"] = list(channels)
+    with pytest.raises(ConfigError) as caught:
+        parse_gait(yaml.dump(tree, Dumper=NoAliases), "a.yaml")
+    assert caught.value.exit_code == 2
+    return str(caught.value).replace("a.yaml: ", "")
+
+
+class NoAliases(yaml.SafeDumper):
+    def ignore_aliases(self, data: object) -> bool:
+        return True
+
+
+@given(balances())
+def test_a_balance_motion_written_and_read_back_is_the_same(gait: BalanceGait):
+    again = parse_gait(gait.to_yaml(), "resolved")
+    assert isinstance(again, BalanceGait)
+    assert again == gait
+
+
+def test_a_balance_motion_of_one_channel_has_the_documented_defaults():
+    gait = parse_gait(BALANCE, "a.yaml")
+    tree = gait.model_dump()
+    assert list(tree) == ["mgs", "robot", "motion", "dt", "balance", "ik"]
+    assert (tree["motion"], tree["dt"], tree["robot"]) == ("balance", 0.01, None)
+    assert tree["ik"] == walk_gait().model_dump()["ik"]
+    assert tree["balance"] == {
+        "duration": 4.0,
+        "rest": 0.5,
+        "ease": 1.0,
+        "com_height": None,
+        "com_tolerance": 2e-4,
+        "channels": [
+            {"task": "com_y", "wave": "sine", "amplitude": 0.02, "frequency": 0.5, "phase": 0.0}
+        ],
+    }
+    eight = {"wave": "figure_eight", "task": "com", "width": 0.1, "height": 0.1, "frequency": 1.0}
+    assert balance_gait(eight).model_dump()["balance"]["channels"][0]["plane"] == "yz"
+
+
+def test_the_motion_decides_what_kind_of_gait_it_is():
+    assert isinstance(parse_gait(BALANCE, "a.yaml"), BalanceGait)
+    assert isinstance(parse_gait("mgs: 1\nmotion: walk\nwalk: {n_steps: 2}", "a"), WalkGait)
+
+
+def test_both_kinds_tell_their_duration_and_the_room_of_the_com():
+    assert balance_gait(sine("com_y", 0.02), duration=7.5).duration == 7.5
+    walk = walk_gait(n_steps=3, lead_in=2.0, double_support=0.3, single_support=0.5, lead_out=1.9)
+    assert walk.duration == pytest.approx(2.0 + 3 * 0.8 + 0.3 + 1.9)
+    assert walk.com_tolerance == balance_gait(sine("com_y", 0.02)).com_tolerance == 2e-4
+    assert balance_gait(sine("com_y", 0.02), com_tolerance=0.1).com_tolerance == 0.1
+
+
+@pytest.mark.parametrize(
+    ("key", "allowed", "refused"),
+    [
+        ("duration", [3.01, 36_000.0], [0.0, -1.0, 36_001.0]),
+        ("rest", [0.0, 0.9], [-0.1, 60.1]),
+        ("ease", [1e-3, 1.4], [0.0, 60.1]),
+        ("com_height", [1e-3, 3.0, None], [0.0, 3.01]),
+        ("com_tolerance", [1e-9, 1.0], [0.0, 1.01]),
+    ],
+)
+def test_every_number_of_a_balance_motion_has_its_range(key: str, allowed: list, refused: list):
+    for value in allowed:
+        dt = 0.1 if key == "duration" else 0.01
+        assert (
+            getattr(balance_gait(sine("com_y", 0.02), dt=dt, **{key: value}).balance, key) == value
+        )
+    for value in refused:
+        assert balance_refusal(**{key: value}).startswith(f"balance.{key}: ")
+
+
+@pytest.mark.parametrize(
+    ("channel", "message"),
+    [
+        (sine("com_y", 2.01), "amplitude: input should be less than or equal to 2, found 2.01"),
+        (sine("com_y", 0.1, 0.0), "frequency: input should be greater than 0, found 0.0"),
+        (sine("com_y", 0.1, 20.1), "frequency: input should be less than or equal to 20"),
+        (sine("com_y", 0.1, phase=10.1), "phase: input should be less than or equal to 10"),
+        (constant("com_y", -2.01), "value: input should be greater than or equal to -2"),
+        (constant("com", 0.1), "task: input should be 'com_x', 'com_y', "),
+        (
+            {"task": "com_x", "wave": "ramp", "value": 0.1, "start": -0.1, "end": 1.0},
+            "start: input should be greater than or equal to 0, found -0.1",
+        ),
+        (
+            {"task": "com", "wave": "figure_eight", "plane": "yy", "width": 0.1, "height": 0.1,
+             "frequency": 1.0},
+            "plane: input should be 'xy', 'xz', 'yx', 'yz', 'zx' or 'zy', found 'yy'",
+        ),
+        (
+            figure_eight("com_x", "yz", 0.1, 0.1),
+            "task: input should be 'com', 'left_hand' or 'right_hand', found 'com_x'",
+        ),
+        ({"task": "com_x", "wave": "sine", "amplitude": 0.1}, "frequency: missing"),
+        (sine("com_y", 0.1) | {"width": 0.1}, "width: unknown key; known here: amplitude, frequ"),
+    ],
+)  # fmt: skip
+def test_a_bad_channel_is_named_by_its_number_and_key(channel: dict, message: str):
+    told = balance_refusal(sine("com_x", 0.01), channel)
+    assert told.startswith(f"balance.channels.1.{message}")
+
+
+@pytest.mark.parametrize("end", [1.0, 0.5])
+def test_a_ramp_that_ends_before_it_starts_is_refused(end: float):
+    channel = {"task": "com_x", "wave": "ramp", "value": 0.1, "start": 1.0, "end": end}
+    assert balance_refusal(channel) == (
+        f"balance.channels.0: end = {end:g} s is not after start = 1 s"
+    )
+
+
+@pytest.mark.parametrize("duration", [2.0, 3.0])
+def test_a_duration_without_room_between_the_ends_is_refused_with_the_remedy(duration: float):
+    message = balance_refusal(duration=duration)
+    assert message.startswith(f"balance: duration = {duration:g} s leaves nothing between the ends")
+    assert "2 (rest + ease) = 3 s; lengthen duration" in message
+
+
+def test_no_channel_at_all_and_more_than_a_hundred_are_refused():
+    assert "balance.channels: list should have at least 1 item" in balance_refusal(channels=[])
+    many = [constant("com_x", 1e-6)] * 101
+    assert "balance.channels: list should have at most 100 items" in balance_refusal(*many)
+    assert len(balance_gait(*many[:100]).balance.channels) == 100
+
+
+def test_more_samples_of_a_balance_motion_than_fit_into_memory_are_refused():
+    tree = yaml.safe_load(BALANCE) | {"dt": 1e-4}
+    tree["balance"]["duration"] = 201.0
+    with pytest.raises(ConfigError, match=r"shorter balance\.duration") as caught:
+        parse_gait(yaml.safe_dump(tree), "a.yaml")
+    assert f"{MAX_SAMPLES:g} allowed" in str(caught.value)
+
+
+def test_a_walk_block_has_no_place_in_a_balance_motion_nor_the_other_way_round():
+    with pytest.raises(ConfigError) as caught:
+        parse_gait(BALANCE + "walk: {n_steps: 2}\n", "a.yaml")
+    assert "walk: unknown key; known here: balance, dt, ik, mgs, motion, robot" in str(caught.value)
+    assert "com: unknown key" in refusal_of(BALANCE + "com: {preview: 1.0}\n")
+    assert "balance: unknown key" in refusal(balance={"duration": 4.0})
+
+
+def refusal_of(text: str) -> str:
+    with pytest.raises(ConfigError) as caught:
+        parse_gait(text, "a.yaml")
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("block", "message"),
+    [
+        ("faraji: {hard: [com]}", "ik.faraji: com is both hard and soft"),
+        ("faraji: {hard: []}", "ik.faraji: both hard and soft want at least one task"),
+        (
+            "faraji: {soft: {com_z: [1.0, 1.0, 1.0]}}",
+            "ik.faraji.soft.com_z: input should be 'soles'",
+        ),
+        ("faraji: {soft: {com: [1.0, 1.0]}}", "ik.faraji.soft.com: list should have at least 3"),
+        ("faraji: {soft: {com: [1.0, 1.0, 0.0]}}", "ik.faraji.soft.com.2: input should be greater"),
+        ("prioritized: {critical: [com]}", "ik.prioritized: com_z stands in two levels"),
+        ("prioritized: {critical: [com_xy]}", "ik.prioritized: soles have to be critical"),
+        ("prioritized: {feedbak: 0.3}", "ik.prioritized.feedbak: unknown key; did you mean 'feedb"),
+    ],
+)
+def test_tasks_of_a_solver_that_do_not_fit_each_other_are_refused(block: str, message: str):
+    assert f"a.yaml: {message}" in refusal_of(BALANCE + f"ik: {{{block}}}\n")

@@ -17,6 +17,8 @@ from mgs.geometry import (
     compose_planar,
     convex_hull,
     polygon_margins,
+    quat_multiply,
+    quat_xyzw_from_rpy,
     quat_xyzw_from_yaw,
     quintic,
     rectangle_gap,
@@ -120,6 +122,40 @@ def test_rotation_angles_keep_their_digits_near_zero(angle):
     b = (Rotation.from_quat(a) * Rotation.from_rotvec(angle * axis)).as_quat()
     # the quaternions themselves are rounded to 1e-16; an arc cosine would return 1e-8 here
     assert_allclose(rotation_angles(a, b), angle, rtol=1e-9, atol=1e-15)
+
+
+def test_a_product_of_quaternions_is_that_of_scipy_and_of_pinocchio():
+    a, b = random_quaternions(200, seed=6), random_quaternions(200, seed=7)
+    found = quat_multiply(a, b)
+    expected = (Rotation.from_quat(a) * Rotation.from_quat(b)).as_matrix()
+    assert_allclose(Rotation.from_quat(found).as_matrix(), expected, atol=ROUNDING)
+    for p, q, product in zip(a, b, found, strict=True):  # the sign too
+        assert_allclose((pin.Quaternion(p) * pin.Quaternion(q)).coeffs(), product, atol=ROUNDING)
+
+
+def test_a_product_of_quaternions_takes_stacks_beside_single_ones():
+    stack, one = random_quaternions(6, seed=8).reshape(2, 3, 4), random_quaternions(1, seed=9)[0]
+    assert quat_multiply(stack, one).shape == quat_multiply(one, stack).shape == (2, 3, 4)
+    assert_allclose(quat_multiply(stack, one)[1, 2], quat_multiply(stack[1, 2], one), rtol=0)
+    assert_allclose(quat_multiply(one, stack)[1, 2], quat_multiply(one, stack[1, 2]), rtol=0)
+
+
+@given(angles, angles, angles)
+def test_roll_pitch_and_yaw_turn_as_in_scipy_and_pinocchio(roll, pitch, yaw):
+    quat = quat_xyzw_from_rpy([roll, pitch, yaw])
+    assert np.linalg.norm(quat) == pytest.approx(1.0, abs=ROUNDING)
+    found = Rotation.from_quat(quat).as_matrix()
+    in_turn = Rotation.from_euler("ZYX", [yaw, pitch, roll]).as_matrix()  # about turned axes
+    assert_allclose(found, in_turn, atol=ROUNDING)
+    assert_allclose(found, pin.rpy.rpyToMatrix(roll, pitch, yaw), atol=ROUNDING)
+
+
+def test_a_yaw_alone_is_a_yaw_and_stacks_of_angles_are_turned_one_by_one():
+    angles = np.random.default_rng(0).normal(size=(2, 5, 3))
+    quat = quat_xyzw_from_rpy(angles)
+    assert quat.shape == (2, 5, 4)
+    assert_allclose(quat[1, 3], quat_xyzw_from_rpy(angles[1, 3]), rtol=0)
+    assert_allclose(quat_xyzw_from_rpy([0.0, 0.0, 0.7]), quat_xyzw_from_yaw(0.7), atol=1e-15)
 
 
 # --- blends -----------------------------------------------------------------------------------

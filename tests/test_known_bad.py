@@ -20,8 +20,8 @@ from mgs.cli import main
 from mgs.com_generator import ComTrajectory, generate_com
 from mgs.contact import Side, Support
 from mgs.errors import IkError
-from mgs.gait import Gait, load_gait
-from mgs.geometry import bump, quintic
+from mgs.gait import WalkGait, load_gait
+from mgs.geometry import bump, quat_multiply, quintic
 from mgs.ik_solver import solve_ik
 from mgs.motion import Motion
 from mgs.motion_file import write_motion
@@ -32,6 +32,7 @@ from mgs.sim import available_engines
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 
 GAIT = load_gait("melson/walk_practical", ("walk.n_steps=3",))
+assert isinstance(GAIT, WalkGait)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -39,7 +40,7 @@ class Draft:
     """Products of the stages, open to mutation between them."""
 
     robot: Robot
-    gait: Gait
+    gait: WalkGait
     plan: MotionPlan
     tasks: TaskTrajectory
     com: ComTrajectory
@@ -149,6 +150,13 @@ def below_ground() -> Motion:
     return draft(lambda plan: dataclasses.replace(plan, step_height=-0.005)).finish()
 
 
+def torso_turned(good: Motion) -> Motion:
+    """The torso is asked to pitch by 0.03 rad and back, and the joints do not follow."""
+    half = 0.015 * bump(np.linspace(0.0, 1.0, good.n_samples))
+    turn = np.stack([0.0 * half, np.sin(half), 0.0 * half, np.cos(half)], axis=1)
+    return dataclasses.replace(good, torso_ref=quat_multiply(turn, good.torso_ref))
+
+
 def weak_servo(good: Motion) -> Motion:
     """A quarter of the stall torque."""
     return with_robot(good, yaml=("stall_torque: 2.8", "stall_torque: 0.7"))
@@ -163,6 +171,7 @@ STATIC = {
     "too_fast": ({"joint_speed"}, too_fast),
     "self_collision": ({"self_collision"}, lambda good: self_collision()),
     "sliding": ({"sole_still"}, lambda good: sliding()),
+    "torso_turned": ({"torso_rotation"}, torso_turned),
     "below_ground": ({"sole_ground"}, lambda good: below_ground()),
     # a weak servo is too weak at its peak and for a while
     "weak_servo": ({"joint_torque", "joint_torque_rms"}, weak_servo),

@@ -36,17 +36,19 @@ from rosbags.typesys import Stores, get_typestore
 from mgs import motion_file
 from mgs.contact import Footstep, Side, Support
 from mgs.errors import MgsError, MotionFileError, OutputExistsError
+from mgs.gait import BalanceGait
 from mgs.motion import Motion
 from mgs.motion_file import read_info, read_motion, write_motion
 from mgs.motion_file.cdr import message_layout
+from mgs.pipeline import generate
 from mgs.robot import Robot, load_robot
 from tests.crooked import crooked_robot
-from tests.strategies import walk_gait
+from tests.strategies import balance_gait, figure_eight, sine, walk_gait
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 START_NS = 10**9
 DT = 0.0123  # [s]; no multiple of it but 0 is a whole number of milliseconds
-ARRAYS = ("q", "v", "torque", "com", "com_ref", "zmp", "zmp_ref")
+ARRAYS = ("q", "v", "torque", "com", "com_ref", "zmp", "zmp_ref", "torso", "torso_ref")
 SIDED = ("soles", "soles_ref", "hands", "hands_ref")
 ONCE = {"/robot_description", "/tf_static", "/footsteps", "/joint_trajectory"}
 CUBE = 1  # visualization_msgs/Marker
@@ -84,6 +86,8 @@ def random_motion(robot: Robot, n_samples: int = 25, seed: int = 0) -> Motion:
         soles_ref=numbers(2, 7),
         hands=numbers(2, 7),
         hands_ref=numbers(2, 3),
+        torso=numbers(7),
+        torso_ref=numbers(4),
         solver={"name": "clik", "gamma_joint": 0.35, "iterations": None, "weights": [1.0, 1e-6]},
     )
 
@@ -151,6 +155,34 @@ def test_a_motion_read_back_equals_the_one_written_bit_for_bit(motion: Motion, f
 @pytest.mark.parametrize("n_samples", [1, 2, 500, 501])
 def test_a_motion_of_any_length_comes_back(n_samples: int, melson: Robot, tmp_path: Path) -> None:
     motion = random_motion(melson, n_samples)
+    write_motion(motion, tmp_path / "a.mcap")
+    assert_same(read_motion(tmp_path / "a.mcap"), motion)
+
+
+def test_a_balance_motion_comes_back_with_its_gait_and_its_torso(
+    melson: Robot, tmp_path: Path
+) -> None:
+    gait = balance_gait(
+        sine("com_y", 0.02, phase=1 / 3),
+        figure_eight("right_hand", "yz", 0.1 + 0.2, 1 / 7),
+        com_tolerance=1e-3,
+    )
+    motion = replace(random_motion(melson), gait=gait)
+    write_motion(motion, tmp_path / "a.mcap")
+    again = read_motion(tmp_path / "a.mcap")
+    assert_same(again, motion)
+    assert isinstance(again.gait, BalanceGait)
+    assert again.gait.com_tolerance == 1e-3
+    kinds = {t["topic"]: t["type"] for t in read_info(tmp_path / "a.mcap")["topics"]}
+    assert kinds["/torso"] == "geometry_msgs/msg/PoseStamped"
+    assert kinds["/torso_reference"] == "geometry_msgs/msg/QuaternionStamped"
+
+
+def test_a_generated_balance_motion_comes_back_though_nothing_is_asked_of_its_hands(
+    melson: Robot, tmp_path: Path
+) -> None:
+    motion = generate(melson, balance_gait(sine("com_y", 0.02))).motion
+    assert motion.solver["newton_updates"] >= 0
     write_motion(motion, tmp_path / "a.mcap")
     assert_same(read_motion(tmp_path / "a.mcap"), motion)
 
@@ -338,6 +370,11 @@ def test_points_and_poses_are_those_of_the_motion(messages: Any, motion: Motion)
         }.items():
             poses = [[*xyz(m.pose.position), *xyzw(m.pose.orientation)] for m in messages[topic]]
             assert np.array_equal(poses, values)
+    poses = [[*xyz(m.pose.position), *xyzw(m.pose.orientation)] for m in messages["/torso"]]
+    assert np.array_equal(poses, motion.torso)
+    asked = messages["/torso_reference"]
+    assert np.array_equal([xyzw(m.quaternion) for m in asked], motion.torso_ref)
+    assert {m.header.frame_id for m in [*messages["/torso"], *asked]} == {"world"}
 
 
 def test_support_and_base_twist_are_those_of_the_motion(messages: Any, motion: Motion) -> None:
@@ -629,7 +666,7 @@ def test_sealing_changes_nothing_in_a_sound_file() -> None:
         (b"/com_reference", b"/com_referance", "/com_reference is missing"),
         (b"/msg/PointStamped", b"/msg/PointStampet", "not geometry_msgs/PointStamped"),
         (b"gait.yaml", b"gate.yaml", "gait.yaml is missing"),
-        (b"schema_version\x01\0\0\x001", b"schema_version\x01\0\0\x002", "format '2'"),
+        (b"schema_version\x01\0\0\x002", b"schema_version\x01\0\0\x001", "format '1'"),
         (b"0.0123", b"0.0124", "not in step with dt"),
         (b"0.0123", b"-0.123", "dt"),
         (b"step_length: 0.3", b"step_longth: 0.3", "did you mean 'step_length'"),

@@ -30,11 +30,15 @@ ARRAYS = {
     "soles_ref": (2, 7),
     "hands": (2, 7),
     "hands_ref": (2, 3),
+    "torso": (7,),
+    "torso_ref": (4,),
 }
 
 
 def assert_sound(motion: Motion) -> None:
-    for name, shape in ARRAYS.items():
+    joints = motion.robot.n
+    shapes = ARRAYS | {"q": (7 + joints,), "v": (6 + joints,), "torque": (joints,)}
+    for name, shape in shapes.items():
         values = getattr(motion, name)
         assert values.shape == (motion.n_samples, *shape), name
         assert np.all(np.isfinite(values)), name
@@ -59,9 +63,9 @@ def test_walk_5cm_takes_12_s(walk_5cm: Stages):
     assert (walk_5cm.motion.n_samples, walk_5cm.motion.duration) == (1201, 12.0)
 
 
-def test_a_walk_takes_the_robot_where_its_steps_add_up_to(shipped):
+def test_a_walk_takes_the_robot_where_its_steps_add_up_to(shipped_walk):
     """The place midway between the soles goes from the origin to that of the last two footsteps."""
-    motion, walk = shipped.stages.motion, shipped.gait.walk
+    motion, walk = shipped_walk.stages.motion, shipped_walk.gait.walk
     middle = motion.soles[:, :, :2].mean(axis=1)
     assert_allclose(middle[0], 0.0, atol=1e-4)
     if not walk.step_yaw:

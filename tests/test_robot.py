@@ -508,6 +508,70 @@ def test_a_locked_joint_is_no_joint_of_the_robot(melson: Robot, key: str, conten
     assert message == f"robot.yaml: {key}: joint 'waist_yaw' is locked, leave it out here"
 
 
+# --- narrowed ranges ---------------------------------------------------------------------------
+
+
+def with_limits(robot: Robot, **limits: object) -> str:
+    return yaml.safe_dump(yaml.safe_load(robot.yaml) | {"limits": limits})
+
+
+def test_limits_narrow_the_ranges_of_the_urdf_and_change_nothing_else(any_robot: Robot):
+    name = any_robot.joint_names[4]
+    low, high = any_robot.lower[4], any_robot.upper[4]
+    middle = any_robot.posture[4]
+    inner = [0.5 * (float(low) + float(middle)), 0.5 * (float(middle) + float(high))]
+    narrow = build_robot(with_limits(any_robot, **{name: inner}), any_robot.urdf, "robot.yaml")
+    assert [narrow.lower[4], narrow.upper[4]] == inner
+    others = np.arange(any_robot.n) != 4
+    assert np.array_equal(narrow.lower[others], any_robot.lower[others])
+    assert np.array_equal(narrow.upper[others], any_robot.upper[others])
+    assert narrow.urdf == any_robot.urdf
+    for figure in ("speed_limit", "torque_limit", "posture"):
+        assert np.array_equal(getattr(narrow, figure), getattr(any_robot, figure))
+
+
+def test_the_ranges_of_the_urdf_themselves_and_one_of_their_ends_are_allowed(melson: Robot):
+    j = melson.joint_names.index("left_knee_pitch")
+    low, high = float(melson.lower[j]), float(melson.upper[j])
+    for limits in ([low, high], [low, 1.0], [0.5, high]):
+        text = with_limits(melson, left_knee_pitch=limits)
+        robot = build_robot(text, URDF, "robot.yaml")
+        assert [robot.lower[j], robot.upper[j]] == limits
+
+
+@pytest.mark.parametrize(
+    ("name", "limits", "message"),
+    [
+        ("left_knee_pitch", [-0.2, 1.0], "limits.left_knee_pitch: [-0.2, 1] is not a range within"),
+        ("left_knee_pitch", [0.0, 3.5], "limits.left_knee_pitch: [0, 3.5] is not a range within"),
+        ("left_knee_pitch", [1.0, 0.5], "limits.left_knee_pitch: [1, 0.5] is not a range within"),
+        ("left_knee_pitch", [0.9, 0.9], "limits.left_knee_pitch: [0.9, 0.9] is not a range within"),
+        ("left_knee_pitch", [1.0, 2.0], "posture.left_knee_pitch: 0.8700 rad is outside the joint"),
+        ("left_knee_pitch", [0.5], "limits.left_knee_pitch: list should have at least 2 items"),
+        ("left_knee_pitch", [0.5, math.nan], "limits.left_knee_pitch.1: input should be a finite"),
+        ("left_knee_pitch", [0.5, 101.0], "limits.left_knee_pitch.1: input should be less than or"),
+        ("left_knee_pitch", 0.5, "limits.left_knee_pitch: input should be a valid list"),
+        ("left_knee", [0.5, 1.0], "limits: robot.urdf has no joint 'left_knee'"),
+    ],
+)
+def test_a_range_that_is_none_is_refused_by_name(
+    melson: Robot, name: str, limits: object, message: str
+):
+    assert f"robot.yaml: {message}" in refusal(with_limits(melson, **{name: limits}))
+
+
+def test_a_locked_joint_has_no_range_to_narrow(melson: Robot):
+    tree = yaml.safe_load(spec_of(melson, waist_yaw=0.1)) | {"limits": {"waist_yaw": [-0.1, 0.1]}}
+    message = refusal(yaml.safe_dump(tree))
+    assert message == "robot.yaml: limits: joint 'waist_yaw' is locked, leave it out here"
+
+
+def test_a_narrowed_robot_is_read_back_from_the_texts_it_keeps(melson: Robot):
+    robot = build_robot(with_limits(melson, left_knee_pitch=[0.1, 1.5]), URDF, "robot.yaml")
+    again = build_robot(robot.yaml, robot.urdf, "a motion file")
+    assert np.array_equal(again.lower, robot.lower) and np.array_equal(again.upper, robot.upper)
+
+
 # --- folders ----------------------------------------------------------------------------------
 
 

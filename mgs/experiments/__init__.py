@@ -25,4 +25,10 @@ def _preview(folder: Path | None, progress: Progress | None) -> list[Claim]:
     return run(folder, progress)
 
 
-EXPERIMENTS: dict[str, Experiment] = {"melson": _melson, "preview": _preview}
+def _faraji(folder: Path | None, progress: Progress | None) -> list[Claim]:
+    from mgs.experiments.faraji import run
+
+    return run(folder, progress)
+
+
+EXPERIMENTS: dict[str, Experiment] = {"melson": _melson, "faraji": _faraji, "preview": _preview}

@@ -103,6 +103,7 @@ class BodyTasks:
             start += SIZES[part]
         self.m = start
         self.J = np.zeros((start, robot.model.nv))
+        self._at_rest = np.zeros(robot.model.nv)
         self.f = np.zeros(start)
         self.com: Array = self.data.com[0]
         frames = {
@@ -149,6 +150,13 @@ class BodyTasks:
         for frame, J in self._turning:
             pin.updateFramePlacement(model, data, frame)
             J[:] = pin.getFrameJacobian(model, data, frame, WORLD_ALIGNED)[3:]
+
+    def com_velocity_derivative(self, q: Array, v: Array) -> Array:
+        """Derivative (3, 6 + n) of J_com(q) v by q, at constant v (6 + n,)."""
+        model, data = self.model, self.data
+        pin.computeForwardKinematicsDerivatives(model, data, q, v, self._at_rest)
+        pin.centerOfMass(model, data, q, v, True)
+        return pin.getCenterOfMassVelocityDerivatives(model, data)
 
     def error(self, x: Array, rotations: Array, out: Array) -> None:
         """Target minus actual (m,) for one row of `BodyTargets.x` and `.rotations`."""

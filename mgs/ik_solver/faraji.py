@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from mgs.com_generator import ComTrajectory
 from mgs.errors import ConfigError, IkError, JointLimitError
 from mgs.gait import FarajiParameters, IkParameters
-from mgs.ik_solver.body_tasks import BodyTargets, BodyTasks, body_targets, parts_of
+from mgs.ik_solver.body_tasks import COM_AXES, BodyTargets, BodyTasks, body_targets, parts_of
 from mgs.ik_solver.joint_trajectory import JointTrajectory
 from mgs.ik_solver.qp import BoundedQp, solve_equality
 from mgs.ik_solver.safety_region import SafetyRegion
@@ -41,6 +41,7 @@ DEFAULT_ITERATIONS = 15
 POSTURE_WEIGHT = 1e-6  # small against a squared lever arm [m^2]
 NEAR_STRETCHED = 0.08  # [rad] from where an iteration does not start
 MAX_START_ITERATIONS = 200
+ROUNDING = 1e-9  # [rad] by which an interval that ends at a limit may overstep it
 CONVERGED = 1e-9  # [rad] and [m], step at which iterations end
 N_REPORTS = 50  # of progress
 
@@ -109,16 +110,22 @@ class FarajiRun:
         m, nv = self.tasks.m, robot.model.nv
         m_soft = sum(_size(self.tasks.rows[part]) for part in soft)
         m_hard = m - m_soft
+        if m_hard == 0:
+            raise ConfigError(
+                "ik.faraji.hard", "nothing is asked of the hands in this motion; add another task"
+            )
         self.J_hard, self.J_soft = self.tasks.J[:m_hard], self.tasks.J[m_hard:]
         self.error = np.zeros(m)
         self.E_hard, self.E_soft = self.error[:m_hard], self.error[m_hard:]
         self.steps_hard, self.steps_soft = np.split(self.targets.steps, [m_hard], axis=1)
         gamma = tuning.gamma if solver.method >= 4 else 0.0
         self.gamma, self.gamma_hard = gamma, gamma if tuning.gamma_rows == "all" else 0.0
-        # ik4 squares (1 + gamma) J dq - (E + gamma ...), ik5 adds two squares: the same minimiser
-        # of the soft rows, other weights against the damping
-        self.weight = self._weights(soft) * ((1.0 + gamma) if solver.method == 5 else 1.0)
-        self.weight *= (1.0 + gamma) ** 2 if solver.method == 4 else 1.0
+        self.weights = self._weights(soft)
+        self._soft_com = [
+            (slice(self.tasks.rows[p].start - m_hard, self.tasks.rows[p].stop - m_hard), axes)
+            for p, axes in COM_AXES.items()
+            if p in soft
+        ]
         self.iterations = solver.iterations if solver.method in (2, 4, 5) else 1
         spare = nv - m
         posture = tuning.posture_weight
@@ -143,7 +150,6 @@ class FarajiRun:
         self.H, self.g = np.zeros((nv, nv)), np.zeros(nv)
         self.A, self.b = self.J_hard, np.zeros(m_hard)
         self._diagonal = self.H.ravel()[:: nv + 1]  # a view
-        self._WJ = np.zeros((m_soft, nv))
         self.configurations = np.empty((tasks.n_samples, robot.model.nq))
         self.velocities = np.empty((tasks.n_samples, robot.n)) if solver.method == 2 else None
         self.elastic: list[int] = []
@@ -212,12 +218,12 @@ class FarajiRun:
         np.copyto(self.b, self.E_hard)
         if gamma and q_prev is not None:
             v = pin.difference(self.robot.model, q_prev, q)
-            self.E_soft += gamma * (self.steps_soft[k] - self.J_soft.dot(v))
-            self.E_soft /= 1.0 + gamma
             if gamma_hard:
                 self.b += gamma_hard * (self.steps_hard[k] - self.J_hard.dot(v))
                 self.b /= 1.0 + gamma_hard
-        self._set_objective(self.E_soft)
+            self._set_gamma_objective(q, v, self.steps_soft[k], gamma)
+        else:
+            self._set_objective(self.J_soft, self.E_soft, self.weights)
         joints = q[FLOATING_BASE_NQ:]
         if self.posture_weight:
             self.g[FLOATING_BASE_NV:] -= self.posture_weight * (self.robot.posture - joints)
@@ -234,18 +240,37 @@ class FarajiRun:
             np.minimum(joints, self.high, out=joints)
         return float(np.abs(dq).max())
 
-    def _set_objective(self, soft_error: Array) -> None:
-        """Fill H = J_s^T W J_s + R and g = -J_s^T W e."""
-        np.multiply(self.J_soft, self.weight, out=self._WJ)
-        np.dot(self.J_soft.T, self._WJ, out=self.H)
+    def _set_gamma_objective(self, q: Array, v: Array, step: Array, gamma: float) -> None:
+        """Fill H and g of ik4 or ik5, for v (6 + n,) from q_prev to q and step (m_soft,) = xdot dt.
+
+        J(q) v depends on q by v and by J. At a stretched knee, where J itself vanishes, the latter
+        is all there is; of the soft tasks it is taken into account for the CoM.
+        """
+        J, E, Q = self.J_soft, self.E_soft, self.weights
+        lag = step - J.dot(v)
+        turned = J.copy()  # derivative of J v by q
+        for rows, axes in self._soft_com:
+            turned[rows] += self.tasks.com_velocity_derivative(q, v)[axes]
+        if self.solver.method == 4:
+            turned *= gamma
+            turned += J
+            self._set_objective(turned, E + gamma * lag, Q)
+        else:
+            both = np.concatenate([J, turned])
+            self._set_objective(both, np.concatenate([E, lag]), np.concatenate([Q, gamma * Q]))
+
+    def _set_objective(self, J: Array, error: Array, weights: Array) -> None:
+        """Fill H = J^T Q J + R and g = -J^T Q e, for weights (m, 1)."""
+        QJ = weights * J
+        np.dot(J.T, QJ, out=self.H)
         self._diagonal += self.damping
-        np.dot(soft_error, self._WJ, out=self.g)
+        np.dot(error, QJ, out=self.g)
         np.negative(self.g, out=self.g)
 
     def _second_problem(self, k: int) -> Array:
         """Joint velocities (n,) of ik2, eq. (5)."""
         self.tasks.update(self.q)
-        self._set_objective(self.steps_soft[k])
+        self._set_objective(self.J_soft, self.steps_soft[k], self.weights)
         dq = solve_equality(self.H, self.g, self.A, self.steps_hard[k])
         return dq[FLOATING_BASE_NV:] / self.dt
 
@@ -255,6 +280,9 @@ class FarajiRun:
         The hard tasks are measured anew at every sample, not taken from the last linearisation.
         """
         errors = self.task_errors()[:, : len(self.E_hard)]
+        joints = self.configurations[:, FLOATING_BASE_NQ:]
+        near = np.clip(joints, self.robot.lower, self.robot.upper)
+        np.copyto(joints, near, where=np.abs(near - joints) < ROUNDING)
         if not self.solver.keep:
             self._refuse_misses(errors)
             self._refuse_limits()

@@ -16,7 +16,7 @@ import mgs.pipeline
 from mgs.gait import shipped_folder
 from mgs.motion_file import read_motion
 from tests.cli.run import SHORT_WALK, files_below, run, run_process
-from tests.strategies import numbers
+from tests.strategies import balance_gait, constant, numbers, sine
 
 MELSON = shipped_folder("robots") / "melson"
 STAGES = ("motion_planner", "trajectory_planner", "com_generator", "ik_solver", "write", "total")
@@ -47,7 +47,13 @@ def test_json_is_one_object_of_the_agreed_shape(here: Path):
     assert (summary["samples"], summary["dt"]) == (motion.n_samples, motion.dt)
     assert summary["duration"] == pytest.approx((summary["samples"] - 1) * summary["dt"])
     tracking, seconds = summary["tracking"], summary["seconds"]
-    assert set(tracking) == {"sole_position", "sole_rotation", "hand_position", "com"}
+    assert set(tracking) == {
+        "sole_position",
+        "sole_rotation",
+        "hand_position",
+        "torso_rotation",
+        "com",
+    }
     assert all(0.0 <= value < 1e-3 for value in tracking.values())
     assert set(seconds) >= set(STAGES)
     assert seconds["total"] >= sum(t for stage, t in seconds.items() if stage != "total")
@@ -237,8 +243,52 @@ def test_the_solver_is_chosen_by_ik(here: Path):
     assert run("generate", *SHORT_WALK, "--ik", "clik", "-o", "walk.mcap").exit_code == 0
     result = run("generate", *SHORT_WALK, "--ik", "magic", "-o", "other.mcap")
     assert result.exit_code == 2
-    assert "'clik', found 'magic'" in result.stderr
+    assert "ik.solver: input should be 'clik', 'ik1', " in result.stderr
+    assert "found 'magic'" in result.stderr
     assert list(files_below(here)) == ["walk.mcap"]
+
+
+# --- balance motions --------------------------------------------------------------------------
+
+
+def test_a_balance_motion_is_generated_and_passes_every_static_check(here: Path):
+    (here / "sway.yaml").write_text(balance_gait(sine("com_y", 0.02)).to_yaml())
+    made = run("generate", "sway.yaml", "--robot", "melson", "-o", "sway.mcap", "--json")
+    assert (made.exit_code, made.stderr) == (0, "")
+    summary = json.loads(made.stdout)
+    assert (summary["samples"], summary["gait"]) == (401, "sway")
+    judged = run("validate", "sway.mcap", "--physics", "none", "--json")
+    assert (judged.exit_code, json.loads(judged.stdout)["verdict"]) == (0, "pass")
+    assert all(check["ok"] for check in json.loads(judged.stdout)["checks"])
+    told = run("info", "sway.mcap")
+    assert (told.exit_code, told.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("channel", "exit_code", "part"),
+    [
+        (constant("torso_yaw", 0.1), 2, "ik.solver: clik leaves the torso free"),
+        (constant("com_y", 0.3), 1, "use a smaller com_y"),
+        (constant("com_x", 3.0), 2, "balance.channels.0.value: input should be less than"),
+    ],
+)
+def test_a_balance_motion_that_cannot_be_made_leaves_a_message_and_no_file(
+    here: Path, channel: dict[str, Any], exit_code: int, part: str
+):
+    tree = yaml.safe_load(balance_gait(constant("com_x", 0.0)).to_yaml())
+    tree["balance"]["channels"] = [channel]
+    (here / "bad.yaml").write_text(yaml.safe_dump(tree))
+    result = run("generate", "bad.yaml", "--robot", "melson", "-o", "bad.mcap")
+    assert (result.exit_code, result.stdout) == (exit_code, "")
+    assert part in result.stderr
+    assert list(files_below(here)) == ["bad.yaml"]
+
+
+def test_a_hand_of_locked_arms_is_a_usage_error(here: Path):
+    (here / "bad.yaml").write_text(balance_gait(constant("left_hand_x", 0.01)).to_yaml())
+    result = run("generate", "bad.yaml", "--robot", "coman_legs", "-o", "bad.mcap")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "left_hand: coman_legs cannot move it against its torso" in result.stderr
 
 
 # --- when it fails ----------------------------------------------------------------------------

@@ -10,10 +10,12 @@ from typing import Any
 import pytest
 import yaml
 
-from mgs.gait import Gait, shipped_folder
+from mgs.config import Model
+from mgs.gait import BalanceGait, WalkGait, shipped_folder
 from mgs.robot import RobotSpec
 from tests.cli.malformed import LEAVES, NUMBERS, VALID
 from tests.cli.run import run
+from tests.strategies import balance_gait, constant, figure_eight, ramp, sine, walk_gait
 
 jsonschema = pytest.importorskip("jsonschema")
 
@@ -45,7 +47,7 @@ def test_every_shipped_file_meets_its_schema_and_no_other_key_does(kind: str, pa
     tree = yaml.safe_load(path.read_text())
     assert problems(kind, tree) == []
     assert len(problems(kind, tree | {"colour": "red"})) == 1
-    for key in ("walk", "torso"):  # a block of each kind
+    for key in ("walk", "balance", "torso"):  # a block of each kind
         if key in tree:
             assert len(problems(kind, tree | {key: tree[key] | {"colour": "red"}})) == 1
 
@@ -68,22 +70,54 @@ def test_the_schema_refuses_the_numbers_that_mgs_refuses(path: tuple[str, ...], 
     assert problems("gait", tree) != []
 
 
-def described(properties: dict[str, Any]) -> set[str]:
-    return {key for key, field in properties.items() if field.get("description")}
+def described(definition: dict[str, Any]) -> set[str]:
+    return {key for key, field in definition["properties"].items() if field.get("description")}
 
 
 def test_every_key_is_described():
     """So that an editor can say what a key means, and in which unit."""
-    found = schema("gait")
-    definitions = {name: d["properties"] for name, d in found["$defs"].items()}
-    keys = set(found["properties"]) | {key for d in definitions.values() for key in d}
+    definitions = schema("gait")["$defs"]
+    keys = {key for d in definitions.values() for key in d["properties"]}
     assert keys >= {path[-1] for path in LEAVES}
-    undescribed = {key for d in definitions.values() for key in set(d) - described(d)}
-    assert undescribed == set()
-    assert set(found["properties"]) - described(found["properties"]) <= {"walk", "com", "ik"}
+    undescribed = {key for d in definitions.values() for key in set(d["properties"]) - described(d)}
+    assert undescribed == {"walk", "com", "balance", "ik", "faraji", "prioritized"}
+    for name, definition in definitions.items():  # these are blocks, and a block tells of itself
+        assert definition.get("description"), name
 
 
-@pytest.mark.parametrize(("kind", "model"), [("gait", Gait), ("robot", RobotSpec)])
-def test_required_keys_are_those_without_a_default(kind: str, model: type[Gait] | type[RobotSpec]):
+@pytest.mark.parametrize("model", [WalkGait, BalanceGait, RobotSpec])
+def test_required_keys_are_those_without_a_default(model: type[Model]):
     required = {name for name, field in model.model_fields.items() if field.is_required()}
-    assert set(schema(kind)["required"]) == required
+    found = schema("robot") if model is RobotSpec else schema("gait")["$defs"][model.__name__]
+    assert set(found["required"]) == required
+
+
+def test_the_schema_takes_both_kinds_of_gait_with_every_kind_of_channel():
+    eight = figure_eight("com", "yz", 0.02, 0.01)
+    channels = [sine("com_y", 0.02), constant("com_z", -0.01), ramp("com_x", 0.01, 1.0, 2.0), eight]
+    for gait in (walk_gait(), balance_gait(*channels)):
+        assert problems("gait", yaml.safe_load(gait.to_yaml())) == []
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"motion": "fly"},
+        {"motion": "walk"},
+        {"walk": {"n_steps": 2}},
+        {"com": {"preview": 1.0}},
+        {"balance": {"duration": 4.0}},
+        {"balance": {"duration": 4.0, "channels": []}},
+        {"balance": {"duration": 4.0, "channels": [sine("com", 0.1)]}},
+        {"balance": {"duration": 4.0, "channels": [sine("com_y", 2.1)]}},
+        {"balance": {"duration": 4.0, "channels": [sine("com_y", 0.1) | {"wave": "sinus"}]}},
+        {"balance": {"duration": 4.0, "channels": [sine("com_y", 0.1) | {"width": 0.1}]}},
+        {"balance": {"duration": 4.0, "channels": [{"task": "com_y", "amplitude": 0.1}]}},
+        {"ik": {"prioritized": {"critical": ["feet"]}}},
+        {"ik": {"faraji": {"soft": {"com": [1.0]}}}},
+    ],
+)
+def test_the_schema_refuses_what_is_wrong_in_a_balance_motion(change: dict[str, Any]):
+    tree = yaml.safe_load(balance_gait(sine("com_y", 0.1)).to_yaml())
+    assert problems("gait", tree) == []
+    assert problems("gait", tree | change) != []

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from mgs.com_generator import ComTrajectory, generate_com
 from mgs.contact import Side, Support
 from mgs.errors import ConfigError, IkError, InfeasibleGaitError, JointLimitError
-from mgs.gait import Gait, IkParameters, load_gait
+from mgs.gait import Gait, IkParameters, WalkGait, load_gait
 from mgs.ik_solver import SOLVERS, JointTrajectory, solve_ik
 from mgs.ik_solver.clik import ClosedLoopIk, gravity_gain_profile, rest_profile
 from mgs.ik_solver.tree_tasks import TreeTasks
@@ -18,14 +18,14 @@ from mgs.motion_planner import plan_motion
 from mgs.pipeline import Stages, generate
 from mgs.robot import Robot, build_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
-from tests.strategies import walk_gait
+from tests.strategies import balance_gait, constant, figure_eight, sine, walk_gait
 
 SHORT = {"n_steps": 2, "step_length": 0.05, "first_support": "left", "double_support": 0.5}
 
 
 def inputs(robot: Robot, gait: Gait) -> tuple[TaskTrajectory, ComTrajectory]:
     tasks = plan_trajectories(plan_motion(robot, gait))
-    return tasks, generate_com(tasks, gait.com)
+    return tasks, generate_com(tasks, gait.com if isinstance(gait, WalkGait) else None)
 
 
 def solve(robot: Robot, gait: Gait) -> JointTrajectory:
@@ -65,20 +65,33 @@ def gradient(function, x: np.ndarray, step: float = 1e-5) -> np.ndarray:
 
 
 def test_every_shipped_gait_meets_its_tasks_at_every_sample(shipped):
-    """By forward kinematics of the floating-base robot, against what stages 2 and 3 asked."""
+    """By forward kinematics of the floating-base robot, against what stages 2 and 3 asked.
+
+    A gait may allow its CoM to stay behind; of a hand that is NaN nothing is asked.
+    """
     robot, stages = shipped.robot, shipped.stages
     model, data, tasks = robot.model, robot.model.createData(), stages.tasks
     for k, q in enumerate(stages.motion.q):
         pin.framesForwardKinematics(model, data, q)
         com = stages.com.position[k]
-        assert np.linalg.norm(pin.centerOfMass(model, data, q) - com) < 2e-4  # [m]
+        assert np.linalg.norm(pin.centerOfMass(model, data, q) - com) < shipped.gait.com_tolerance
         for side in Side:
             sole, asked = data.oMf[robot.sole_frames[side]], tasks.soles[k, side]
             assert np.linalg.norm(sole.translation - asked[:3]) < 1e-4
             turn = pin.log3(sole.rotation.T @ pin.Quaternion(asked[3:]).matrix())
             assert np.linalg.norm(turn) < np.radians(0.01)
             hand = data.oMf[robot.hand_frames[side]].translation
-            assert np.linalg.norm(hand - com - tasks.hands[k, side]) < 1e-4
+            if tasks.hands_asked[side]:
+                assert np.linalg.norm(hand - com - tasks.hands[k, side]) < 1e-4
+        if tasks.torso_asked:
+            torso = data.oMf[robot.torso_frame].rotation
+            turn = pin.log3(torso.T @ pin.Quaternion(tasks.torso[k]).matrix())
+            assert np.linalg.norm(turn) < np.radians(0.01)
+
+
+def test_no_shipped_walk_leaves_its_com_more_room_than_a_fifth_of_a_millimetre(shipped_walk):
+    assert shipped_walk.gait.com_tolerance == 2e-4
+    assert shipped_walk.stages.tasks.hands_asked == (True, True)
 
 
 def test_every_shipped_gait_stays_within_its_joint_limits(shipped):
@@ -86,27 +99,27 @@ def test_every_shipped_gait_stays_within_its_joint_limits(shipped):
     assert np.all((angles >= shipped.robot.lower) & (angles <= shipped.robot.upper))
 
 
-def test_every_shipped_gait_starts_and_ends_at_rest(shipped):
-    angles, dt = shipped.stages.joints.angles, shipped.gait.dt
+def test_every_shipped_walk_starts_and_ends_at_rest(shipped_walk):
+    angles, dt = shipped_walk.stages.joints.angles, shipped_walk.gait.dt
     for speed in (angles[1] - angles[0], angles[-1] - angles[-2]):
         assert np.abs(speed / dt).max() < 5e-3  # [rad/s]; one encoder tick in a second
 
 
-def test_joints_do_not_jump_where_the_support_changes(shipped):
+def test_joints_do_not_jump_where_the_support_changes(shipped_walk):
     """There the tree changes its root: nothing of that may show in angles or speeds.
 
     Within a phase the largest change of speed from sample to sample is that of the motion itself.
     """
     angles, dt, support = (
-        shipped.stages.joints.angles,
-        shipped.gait.dt,
-        shipped.stages.tasks.support,
+        shipped_walk.stages.joints.angles,
+        shipped_walk.gait.dt,
+        shipped_walk.stages.tasks.support,
     )
     speed = np.diff(angles, axis=0) / dt
     change = np.abs(np.diff(speed, axis=0)).max(axis=1)
     assert np.abs(np.diff(angles, axis=0)).max() < 6.3 * dt  # [rad] at the servos' top speed
     # a root changes at the beginning of a double support phase
-    switches = np.flatnonzero(np.diff(shipped.stages.tasks.root)) + 1
+    switches = np.flatnonzero(np.diff(shipped_walk.stages.tasks.root)) + 1
     assert len(switches)
     away = np.ones(len(change), dtype=bool)
     for k in np.flatnonzero(np.diff(support)) + 1:
@@ -133,13 +146,90 @@ def test_the_secondary_task_does_not_disturb_the_tasks(melson: Robot, gains: dic
 def test_without_newton_updates_the_feedback_alone_keeps_errors_from_piling_up(melson: Robot):
     """The paper's method, one linear step a sample, leaves what the step's curvature makes."""
     once = generate(melson, walk_gait(**SHORT, ik={"iterations": 0}))
-    assert once.joints.newton_updates == 0
+    assert once.joints.report["newton_updates"] == 0
     error = np.linalg.norm(once.motion.com - once.motion.com_ref, axis=1)
     assert error.max() < 1e-4
     assert error[-1] < 1e-6  # at rest the feedback has caught up
     more = generate(melson, walk_gait(**SHORT, ik={"iterations": 2}))
-    assert more.joints.newton_updates == 2 * len(more.joints.angles)
+    assert more.joints.report["newton_updates"] == 2 * len(more.joints.angles)
     assert np.abs(more.motion.com - more.motion.com_ref).max() < 1e-9
+
+
+# --- balance motions --------------------------------------------------------------------------
+
+
+def reached(robot: Robot, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """CoM (N, 3), hands (N, 2, 3) and soles (N, 2, 3) by forward kinematics of q (N, 7 + n)."""
+    data, coms, hands, soles = robot.model.createData(), [], [], []
+    for row in q:
+        pin.framesForwardKinematics(robot.model, data, row)
+        coms.append(pin.centerOfMass(robot.model, data, row).copy())
+        hands.append([data.oMf[frame].translation.copy() for frame in robot.hand_frames])
+        soles.append([data.oMf[frame].translation.copy() for frame in robot.sole_frames])
+    return np.array(coms), np.array(hands), np.array(soles)
+
+
+def test_a_sway_with_free_hands_moves_the_com_over_resting_soles(melson: Robot):
+    stages = generate(melson, balance_gait(sine("com_y", 0.02)))
+    com, hands, soles = reached(melson, stages.motion.q)
+    times = stages.motion.times
+    middle = (times >= 1.5) & (times <= 2.5)
+    expected = com[0, 1] + 0.02 * np.sin(np.pi * times[middle])
+    assert np.abs(com[middle, 1] - expected).max() < 2e-4
+    assert np.abs(com[:, [0, 2]] - com[0, [0, 2]]).max() < 2e-4
+    assert np.abs(soles - soles[0]).max() < 1e-4
+    # nothing is asked of the hands: their reference is what they do
+    assert stages.tasks.hands_asked == (False, False)
+    assert np.array_equal(stages.motion.hands_ref, stages.motion.hands[..., :3])
+    assert_allclose(stages.motion.hands_ref, hands, atol=1e-9)
+    assert np.array_equal(stages.motion.torso_ref, stages.motion.torso[:, 3:])
+
+
+def test_free_hands_leave_the_step_to_the_joints_that_need_to_move(melson: Robot):
+    """Least norm: of steps with the same soles and CoM, one that also holds the hands is longer."""
+    free = solve(melson, balance_gait(sine("com_y", 0.02), ik={"gamma_joint": 0.0})).angles
+    still = [constant(f"{side}_hand_x", 1e-9) for side in ("left", "right")]
+    held = solve(melson, balance_gait(sine("com_y", 0.02), *still, ik={"gamma_joint": 0.0})).angles
+    lengths = [np.linalg.norm(np.diff(angles, axis=0), axis=1) for angles in (free, held)]
+    moving = slice(60, 340)
+    assert np.all(lengths[0][moving] < lengths[1][moving])
+
+
+def test_one_hand_draws_an_eight_while_the_other_is_free(melson: Robot):
+    gait = balance_gait(figure_eight("right_hand", "yz", 0.03, 0.015), ik={"gamma_joint": 5.0})
+    stages = generate(melson, gait)
+    com, hands, _ = reached(melson, stages.motion.q)
+    assert stages.tasks.hands_asked == (False, True)
+    times = stages.motion.times
+    middle = (times >= 1.5) & (times <= 2.5)
+    moved = hands[middle, Side.RIGHT] - hands[0, Side.RIGHT]
+    turn = np.pi * times[middle]
+    expected = np.stack([0.0 * turn, 0.015 * np.sin(turn), 0.0075 * np.sin(2.0 * turn)], axis=1)
+    assert np.linalg.norm(moved - expected, axis=1).max() < 1e-4
+    assert np.linalg.norm(com - com[0], axis=1).max() < 2e-4
+    # the free one goes where the joint gradient takes it
+    assert np.ptp(hands[:, Side.LEFT], axis=0).max() > 2e-3
+
+
+@pytest.mark.parametrize("task", ["torso_roll", "torso_pitch", "torso_yaw"])
+def test_a_gait_that_turns_the_torso_is_refused_with_the_solvers_that_can(melson: Robot, task: str):
+    with pytest.raises(ConfigError, match=r"ik\.solver: clik leaves the torso free") as caught:
+        generate(melson, balance_gait(constant(task, 0.01)))
+    assert caught.value.exit_code == 2
+    assert "prioritized" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("channel", "task"), [(constant("com_z", 0.05), "CoM"), (constant("right_hand_x", 0.3), "hand")]
+)
+def test_a_balance_motion_out_of_reach_is_refused_with_a_remedy_of_its_own(
+    melson: Robot, channel: dict[str, object], task: str
+):
+    with pytest.raises(IkError) as caught:
+        generate(melson, balance_gait(channel))
+    assert task in caught.value.task
+    assert 0.5 < caught.value.t < 1.5  # while it fades in
+    assert "smaller channels" in str(caught.value)
 
 
 # --- null space -------------------------------------------------------------------------------
@@ -174,6 +264,7 @@ def test_one_step_is_the_projected_gradient_plus_the_least_norm_correction(
         soles=np.tile(walk.soles[0], (n, 1, 1)),
         hands=np.tile(walk.hands[0], (n, 1, 1)),
         com_height=com[:, 2],
+        torso=np.tile(walk.torso[0], (n, 1)),
     )
     flat = np.zeros_like(com)
     angles = solve_ik(melson, tasks, ComTrajectory(com, flat, flat, com[:, :2]), tuning).angles
@@ -383,7 +474,7 @@ def test_the_solution_is_the_same_bit_for_bit_twice(melson: Robot):
     gait = walk_gait(**SHORT, ik={"gamma_grav": 1.6})
     first, second = solve(melson, gait), solve(melson, gait)
     assert first.angles.tobytes() == second.angles.tobytes()
-    assert first.newton_updates == second.newton_updates
+    assert first.report == second.report
 
 
 def test_solving_leaves_robot_and_tasks_alone(melson: Robot):

@@ -95,3 +95,24 @@ def test_the_tasks_are_independent_in_the_posture(melson: Robot, side: Side):
     tasks.update(melson.posture[tasks.order])
     assert tasks.J.shape == (15, 19)
     assert np.linalg.svd(tasks.J, compute_uv=False).min() > 1e-2
+
+
+@pytest.mark.parametrize("asked", [(False, True), (True, False), (False, False)])
+def test_rows_of_a_hand_that_is_free_are_zero_and_the_others_are_as_ever(
+    any_robot: Robot, side: Side, asked: tuple[bool, bool]
+):
+    free, whole = TreeTasks(any_robot, side, asked), placed_tasks(any_robot, side)
+    free.place(T_WORLD_SOLE)
+    rows = np.ones(N_TASKS, dtype=bool)
+    for is_asked, row in zip(asked, (LEFT_HAND, RIGHT_HAND), strict=True):
+        rows[row] = is_asked
+    for q in random_angles(any_robot, 2):
+        errors = []
+        for tasks in (free, whole):
+            tasks.update(q[tasks.order])
+            errors.append(np.empty(N_TASKS))
+            positions = np.where(rows[:12] | (tasks is whole), 0.3, np.nan)
+            tasks.error(positions, pin.utils.rotate("x", 0.1), errors[-1])
+        assert_allclose(free.J, np.where(rows[:, None], whole.J, 0.0), atol=0)
+        assert_allclose(errors[0], np.where(rows, errors[1], 0.0), atol=0)
+        assert np.array_equal(free.f, whole.f)

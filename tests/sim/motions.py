@@ -43,6 +43,8 @@ def motion_of(robot: Robot, q: Array) -> Motion:
         soles_ref=soles,
         hands=none,
         hands_ref=none,
+        torso=none,
+        torso_ref=none,
         solver={},
     )
 

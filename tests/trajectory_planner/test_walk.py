@@ -137,8 +137,8 @@ def test_the_zmp_reference_stays_inside_the_support_polygon(gait: Gait):
         assert margin(tasks.zmp_ref[k], tasks.soles[k, sides]) >= least - 1e-9
 
 
-def test_at_every_sample_of_shipped_gaits_the_zmp_reference_is_inside(shipped):
-    tasks = shipped.stages.tasks
+def test_at_every_sample_of_shipped_walks_the_zmp_reference_is_inside(shipped_walk):
+    tasks = shipped_walk.stages.tasks
     for k in range(tasks.n_samples):
         sides = list(Support(int(tasks.support[k])).sides)
         assert margin(tasks.zmp_ref[k], tasks.soles[k, sides]) > 0.02  # [m], soles are 60 mm wide

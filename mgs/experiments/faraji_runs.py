@@ -1,0 +1,266 @@
+"""Runs of the experiments of Faraji and Ijspeert, and what is measured on them; see `faraji`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mgs.experiments.claim import Progress
+from mgs.gait import BalanceGait, load_gait
+from mgs.ik_solver.safety_region import SafetyRegion
+from mgs.pipeline import Stages, generate
+from mgs.robot import FLOATING_BASE_NQ, Robot, load_robot
+
+Array = NDArray[np.float64]
+
+ROBOT = "coman_legs"
+ITERATED = ("ik2", "ik4", "ik5")  # the methods that n means something for
+BOUNDED = ("ik3", "ik4", "ik5")
+MANY, FEW = 15, 3  # iterations n
+SQUAT, STRETCHED, TILTING, LEAN = "squat", "squat_stretched", "squat_tilting", "lean"
+SWAY, TWIST = "sway_twist", "twist"
+Z_MAX = 0.5497  # [m] height of the CoM with straight legs
+CROUCHES = (
+    0.02,
+    -0.02,
+    -0.04,
+    -0.06,
+    -0.08,
+    -0.1,
+    -0.13,
+)  # [m] from Z_MAX; the first is out of reach
+SLOWER = 10  # times, for a motion that lags behind nothing
+FINE_DT = 0.002  # [s] of task A
+BENT_DEG = 15.0  # at which a knee counts as having left the stretched posture
+WELL_BENT_DEG = 30.0  # beyond it, it is on its way back to the reference
+
+
+@dataclass(frozen=True)
+class Key:
+    """One run: a gait, a method and its iterations, and what else is set."""
+
+    gait: str
+    method: str
+    n: int = MANY
+    variant: str = ""  # one of VARIANTS, or a height for SWAY
+
+    @property
+    def label(self) -> str:
+        """Method and, where it counts, iterations."""
+        return f"{self.method}, n = {self.n}" if self.method in ITERATED else self.method
+
+
+VARIANTS = {
+    "": (),
+    "fine": (f"dt={FINE_DT}",),
+    "polygon": ("ik.faraji.region=polygon",),
+    "gamma 0": ("ik.faraji.gamma=0",),
+    "equal weights": ("ik.faraji.soft.com=[1.0, 1.0, 1.0]",),
+    "slow": ("dt=0.1", "balance.duration=110.0", "balance.rest=5.0", "balance.ease=10.0"),
+    "quiet": (),
+}
+SIMULATED = ("ik.faraji.margin=0", "ik.faraji.speed_max=4.0")  # Table I; SWAY is as on the robot
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A run and the samples in which its channels have their full amplitude."""
+
+    stages: Stages
+    window: slice
+
+    @property
+    def dt(self) -> float:
+        """Sampling period [s]."""
+        return self.stages.motion.dt
+
+    @property
+    def times(self) -> Array:
+        """Times (N,) of the samples [s]."""
+        return self.stages.motion.times
+
+    @property
+    def joints(self) -> Array:
+        """Joint angles (N, n) [rad]."""
+        return self.stages.motion.q[:, FLOATING_BASE_NQ:]
+
+    @property
+    def seconds_per_solve(self) -> float:
+        """Mean time of stage 4 per sample [s]."""
+        return self.stages.seconds["ik_solver"] / len(self.joints)
+
+    def com_error(self) -> Array:
+        """Reached minus asked (m, 3) in the window [m]."""
+        motion = self.stages.motion
+        return (motion.com - motion.com_ref)[self.window]
+
+    def com_velocity_error(self) -> Array:
+        """Reached minus asked (m - 1, 3), from sample to sample [m/s]."""
+        return np.diff(self.com_error(), axis=0) / self.dt
+
+    def speeds(self) -> Array:
+        """Joint speeds (m - 1, n) in the window, from sample to sample [rad/s]."""
+        return np.diff(self.joints[self.window], axis=0) / self.dt
+
+    def accelerations(self) -> Array:
+        """Second differences (m - 2, n) in the window [rad/s^2]."""
+        return np.diff(self.joints[self.window], 2, axis=0) / self.dt**2
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """All runs."""
+
+    robot: Robot
+    runs: dict[Key, Run]
+
+    def __getitem__(self, key: Key) -> Run:
+        """One run."""
+        return self.runs[key]
+
+    def joint(self, name: str) -> list[int]:
+        """Indices of the left and the right joint of a name such as KneeSag."""
+        return [self.robot.joint_names.index(side + name) for side in "LR"]
+
+
+def methods(names: Iterable[str] = ("ik1", "ik2", "ik3", "ik4", "ik5")) -> list[tuple[str, int]]:
+    """Methods and their iterations, each once with MANY and, where it matters, with FEW."""
+    return [(name, n) for name in names for n in (MANY, FEW) if n == MANY or name in ITERATED]
+
+
+def all_keys() -> list[Key]:
+    """Every run, in the order of the tasks."""
+    keys = [Key(SQUAT, m, n, variant) for variant in ("fine", "") for m, n in methods()]
+    keys += [Key(gait, m, n) for gait in (STRETCHED, TILTING, LEAN, TWIST) for m, n in methods()]
+    keys += [Key(LEAN, "ik4", MANY, "equal weights"), Key(LEAN, "ik2", MANY, "equal weights")]
+    keys += [Key(STRETCHED, "ik4", MANY, variant) for variant in ("polygon", "gamma 0")]
+    keys += [Key(SWAY, "ik4", FEW, f"{height:g}") for height in CROUCHES]
+    keys += [Key(SWAY, "ik4", FEW, "quiet"), Key(TWIST, "ik4", MANY, "slow")]
+    return keys
+
+
+def solve(progress: Progress | None = None) -> Study:
+    """Generate every run."""
+    robot = load_robot(ROBOT)
+    runs: dict[Key, Run] = {}
+    keys = all_keys()
+    for i, key in enumerate(keys):
+        runs[key] = run_one(robot, key)
+        if progress is not None:
+            progress(i + 1, len(keys))
+    return Study(robot, runs)
+
+
+def run_one(robot: Robot, key: Key) -> Run:
+    """Generate one run; what is missed is recorded, not refused."""
+    gait = gait_of(key)
+    stages = generate(robot, gait, f"{ROBOT}/{key.gait}")
+    ends = gait.balance.rest + gait.balance.ease
+    first, last = round(ends / gait.dt), round((gait.balance.duration - ends) / gait.dt)
+    return Run(stages, slice(first, last + 1))
+
+
+def gait_of(key: Key) -> BalanceGait:
+    """Gait of a run."""
+    settings = [f"ik.solver={key.method}", f"ik.iterations={key.n}", "ik.on_limit=record"]
+    settings += VARIANTS.get(key.variant, ())
+    if key.gait != SWAY:
+        settings += SIMULATED
+    elif key.variant not in VARIANTS:
+        settings.append(f"balance.com_height={Z_MAX + float(key.variant)}")
+    gait = load_gait(f"{ROBOT}/{key.gait}", tuple(settings))
+    assert isinstance(gait, BalanceGait)
+    if key.variant == "slow":
+        return _rescaled(gait, 1.0 / SLOWER)
+    return _rescaled(gait, 0.0) if key.variant == "quiet" else gait
+
+
+def _rescaled(gait: BalanceGait, factor: float) -> BalanceGait:
+    """The same channels slower by a factor, or nothing but the height for a factor of 0."""
+    channels = []
+    for channel in gait.balance.channels:
+        field = "frequency" if factor else "amplitude"
+        value = getattr(channel, field) * factor
+        channels.append(channel.model_copy(update={field: value}))
+    balance = gait.balance.model_copy(update={"channels": channels})
+    return gait.model_copy(update={"balance": balance})
+
+
+def region_excess(study: Study, run: Run) -> float:
+    """How far a run leaves limits or safety region, worst joint and sample; 0 or less: never."""
+    gait = run.stages.motion.gait
+    tuning = gait.ik.faraji
+    robot, joints = study.robot, run.joints
+    assert tuning.speed_max is not None
+    speed = np.minimum(tuning.speed_max, robot.speed_limit)
+    region = SafetyRegion(robot.lower, robot.upper, speed, run.dt, tuning.region)
+    outside = np.maximum(robot.lower - joints, joints - robot.upper).max()
+    return float(max(region.excess(joints[:-1], joints[1:]).max(), outside))
+
+
+def limit_excess_deg(run: Run, robot: Robot, joints: list[int]) -> float:
+    """How far these joints leave their ranges in the window [deg]; negative: the least room."""
+    angles = run.joints[run.window][:, joints]
+    excess = np.maximum(robot.lower[joints] - angles, angles - robot.upper[joints])
+    return float(np.degrees(excess.max()))
+
+
+def hard_error(run: Run) -> float:
+    """Largest error of a hard row [m] or [rad], as the solver reports it."""
+    return float(str(run.stages.joints.report["hard_error"]))
+
+
+def escape_delay(study: Study, run: Run, bent_deg: float = BENT_DEG) -> float:
+    """Mean time [s] that a knee comes late to an angle after having been stretched.
+
+    Late against the reference: an exact solution would be at that angle when the reference falls to
+    the height that the CoM has at that angle.
+    """
+    knee = run.joints[:, study.joint("KneeSag")[0]]
+    bent = np.deg2rad(bent_deg)
+    height, wanted = _height_of_knee(run, knee, bent), run.stages.motion.com_ref[:, 2]
+    delays = []
+    for k in range(run.window.start + 1, run.window.stop):
+        later = np.flatnonzero(knee[k:] >= bent)
+        if wanted[k - 1] > height >= wanted[k] and len(later):
+            delays.append(later[0] * run.dt)
+    return float(np.mean(delays))
+
+
+def _height_of_knee(run: Run, knee: Array, angle: float) -> float:
+    """Height of the CoM [m] at which the knee has an angle, from the samples of the run itself."""
+    z, angles = run.stages.motion.com[run.window, 2], knee[run.window]
+    order = np.argsort(angles)
+    return float(np.interp(angle, angles[order], z[order]))
+
+
+def rejoining_acceleration(study: Study, run: Run) -> float:
+    """Largest knee acceleration [rad/s^2] with the knee well bent, where the motion is rejoined."""
+    knees = study.joint("KneeSag")
+    bent = run.joints[run.window][1:-1, knees] > np.deg2rad(WELL_BENT_DEG)
+    return float(np.abs(run.accelerations()[:, knees][bent]).max())
+
+
+def knee_torque(study: Study, run: Run) -> float:
+    """Mean magnitude [N m] of the knees' torques in the window."""
+    return float(np.abs(run.stages.motion.torque[run.window][:, study.joint("KneeSag")]).mean())
+
+
+def knee_difference_deg(study: Study, run: Run) -> float:
+    """Largest difference between the two knees in the window [deg]."""
+    left, right = study.joint("KneeSag")
+    angles = run.joints[run.window]
+    return float(np.degrees(np.abs(angles[:, left] - angles[:, right]).max()))
+
+
+def power(run: Run) -> tuple[float, float]:
+    """Means of sum |tau qdot| [W] and sum tau^2 [(N m)^2] in the window."""
+    motion = run.stages.motion
+    torque, speed = motion.torque[run.window], motion.v[run.window, 6:]
+    return (
+        float(np.mean(np.sum(np.abs(torque * speed), axis=1))),
+        float(np.mean(np.sum(torque**2, axis=1))),
+    )
