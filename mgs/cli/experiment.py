@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("name", type=click.Choice(["melson", "faraji", "preview"]))
+@click.argument("name", type=click.Choice(["melson", "faraji", "mistry", "preview"]))
 @click.option(
     "-o", "--output", type=click.Path(file_okay=False, path_type=Path),
     help="Folder for the figures; default outputs/experiments/NAME.",
@@ -25,7 +25,8 @@ def experiment(name: str, output: Path | None, no_figures: bool, as_json: bool) 
     """Rerun an experiment and print claim, figure found, holds or not.
 
     melson: scenarios S1 to S3 and the drift study of the Melson paper. faraji: tasks A to H of
-    Faraji and Ijspeert, ik1 to ik5 on COMAN's legs. preview: closed-loop analysis of the ZMP
+    Faraji and Ijspeert, ik1 to ik5 on COMAN's legs. mistry: CoG sway and a hand's figure eight by
+    prioritised floating-base IK. preview: closed-loop analysis of the ZMP
     preview control. Figures of an earlier run are replaced. A
     claim that does not hold is a finding, not a failure: the exit code is 0 all the same.
 

@@ -31,4 +31,15 @@ def _faraji(folder: Path | None, progress: Progress | None) -> list[Claim]:
     return run(folder, progress)
 
 
-EXPERIMENTS: dict[str, Experiment] = {"melson": _melson, "faraji": _faraji, "preview": _preview}
+def _mistry(folder: Path | None, progress: Progress | None) -> list[Claim]:
+    from mgs.experiments.mistry import run
+
+    return run(folder, progress)
+
+
+EXPERIMENTS: dict[str, Experiment] = {
+    "melson": _melson,
+    "faraji": _faraji,
+    "mistry": _mistry,
+    "preview": _preview,
+}

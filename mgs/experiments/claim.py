@@ -29,6 +29,10 @@ class Claim:
     note: str = ""
     values: dict[str, float] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.holds, bool | str):  # numpy's are no JSON
+            raise TypeError(f"{self.id}: holds is {type(self.holds).__name__}")
+
     def to_dict(self) -> dict[str, object]:
         """The claim as plain data."""
         return {

@@ -207,7 +207,7 @@ def lean_claims(study: Study) -> list[Claim]:
             "D_ik4",
             "ik4 holds the hip at its limit and bends the knee instead",
             f"hip {max(held, 0.0):.1g} deg beyond, knee bent up to {bent:.0f} deg meanwhile",
-            held <= np.degrees(REGION) and bent > BROKEN_DEG,
+            bool(held <= np.degrees(REGION) and bent > BROKEN_DEG),
             values={"hip": held, "knee": bent},
         ),
         Claim(

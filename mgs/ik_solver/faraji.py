@@ -42,7 +42,7 @@ POSTURE_WEIGHT = 1e-6  # small against a squared lever arm [m^2]
 NEAR_STRETCHED = 0.08  # [rad] from where an iteration does not start
 MAX_START_ITERATIONS = 200
 ROUNDING = 1e-9  # [rad] by which an interval that ends at a limit may overstep it
-CONVERGED = 1e-9  # [rad] and [m], step at which iterations end
+CONVERGED = 1e-7  # [rad] and [m], step at which iterations end
 N_REPORTS = 50  # of progress
 
 

@@ -10,6 +10,7 @@ from mgs.gait import IkParameters
 from mgs.ik_solver.clik import ClosedLoopIk
 from mgs.ik_solver.faraji import FarajiIk
 from mgs.ik_solver.joint_trajectory import JointTrajectory
+from mgs.ik_solver.prioritized import PrioritizedIk
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
 
@@ -45,6 +46,8 @@ class IkSolver(Protocol):
 SOLVERS: dict[str, type[IkSolver]] = {
     "clik": ClosedLoopIk,
     **{f"ik{method}": FarajiIk for method in range(1, 6)},
+    "prioritized": PrioritizedIk,
+    "prioritized-acceleration": PrioritizedIk,
 }
 
 

@@ -1,0 +1,346 @@
+"""Whole-body IK by strict priorities on a floating base held by constraints.
+
+M. Mistry, J. Nakanishi, G. Cheng and S. Schaal, "Inverse kinematics with floating base and
+constraints for full body humanoid robot control", Humanoids 2008. Levels A (critical: soles and
+CoM), B (functional: hands) and E (extraneous: torso and CoM height); `priority_levels` solves them.
+With error e = x_ref - x at the sample before, kappa the share of it taken back:
+
+    prioritized:   q[k] = q[k-1] + dt v,   level rates  (x_ref[k] - x_ref[k-1] + kappa e) / dt
+    prioritized-acceleration:  v[k] = v[k-1] + dt a,   q[k] = q[k-1] + dt v[k]           (20)-(22)
+        level rates  xdd_ref + Kd edot + Kp e - Jdot v,   Kp dt^2 = (1 - p)^2,   Kd dt = 1 - p^2
+        xdd_ref = (x_ref[k] - 2 x_ref[k-1] + x_ref[k-2]) / dt^2,   p = 1 - kappa, a double pole
+        edot = (x_ref[k-1] - x_ref[k-2]) / dt - (J v - dt/2 Jdot v)
+
+The bracket in edot is the speed of the last step, (x[k-1] - x[k-2]) / dt: with J v in its place a
+turning limb would keep an error that grows as dt^2. Soles take Kd dt = 1, Kp dt^2 = kappa: what v
+holds against the constraints is taken out at once, as a projection by N_A would.
+
+Where no level asks for anything the joints are drawn to the half-sitting posture. In single support
+the swing sole is no constraint: it moves from level A to B after lift-off, and back before landing.
+Both sets of constraints meet the common ones exactly, and so does any blend of their solutions.
+A lower level that cannot be met may drive the joints so fast that the curvature of a step shows in
+level A, and the projected form misses a swing sole in level B: a Newton step then brings them back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from mgs.com_generator import ComTrajectory
+from mgs.contact import Side, Support
+from mgs.errors import IkError, JointLimitError
+from mgs.gait import IkParameters, PrioritizedParameters
+from mgs.ik_solver.body_tasks import BodyTargets, BodyTasks, body_targets, parts_of
+from mgs.ik_solver.constraints import ConstraintSet, handover_profile, refuse_infeasible
+from mgs.ik_solver.jacobian_rate import JacobianRate
+from mgs.ik_solver.joint_trajectory import JointTrajectory
+from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
+from mgs.trajectory_planner import TaskTrajectory
+
+Array = NDArray[np.float64]
+POSITION_TOLERANCE, COM_TOLERANCE, ROTATION_TOLERANCE = 1e-4, 2e-4, 1.7e-4  # [m], [m], [rad]
+POSTURE_RATE = 1.0  # [1/s] at which left-over joints go to the half-sitting posture
+POSTURE_DAMPING = 10.0  # [1/s] at which they take on that speed in the acceleration form
+CONFLICT_SPEED = 1.0  # [rad/s] and [m/s], most that a level in conflict with others may ask for
+CATCH_UP = 0.5  # [m/s] and [rad/s] at which a row of a lower level makes up for what it missed
+CORRECT_ABOVE = 5e-5  # [m] and [rad], error of level A that calls for a Newton step
+MAX_CORRECTIONS = 5  # per sample
+MAX_START_ITERATIONS = 300
+MAX_START_STEP = 0.2  # [rad] and [m], largest part of a step there
+CONVERGED = 1e-9  # [rad] and [m], step at which the start is found
+N_REPORTS = 50  # of progress
+
+
+@dataclass(frozen=True, kw_only=True)
+class PrioritizedIk:
+    """Levels of tasks and their tuning."""
+
+    tuning: PrioritizedParameters = field(default_factory=PrioritizedParameters)
+    acceleration: bool = False  # eq. (18) instead of (16)
+    keep: bool = False  # record a missed critical task or a broken limit instead of refusing it
+
+    @classmethod
+    def from_parameters(cls, parameters: IkParameters) -> PrioritizedIk:
+        """Solver with the tuning of a gait file."""
+        return cls(
+            tuning=parameters.prioritized,
+            acceleration=parameters.solver == "prioritized-acceleration",
+            keep=parameters.on_limit == "record",
+        )
+
+    def solve(
+        self,
+        robot: Robot,
+        tasks: TaskTrajectory,
+        com: ComTrajectory,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> JointTrajectory:
+        """Follow the tasks from the half-sitting posture; see `IkSolver.solve` for the errors."""
+        run = PrioritizedRun(self, robot, tasks, com)
+        run.start()
+        n = tasks.n_samples
+        for k in range(1, n):
+            run.step(k)
+            if progress is not None and (k + 1) % max(1, n // N_REPORTS) == 0:
+                progress(k + 1, n)
+        return run.finish()
+
+
+class PrioritizedRun:
+    """One pass over a trajectory: the buffers, and one step per sample.
+
+    Attributes:
+        q: (7 + n,) configuration after the last step.
+        v: (6 + n,) velocity of the last step.
+        phases: start of the first [s] and number of phases with these rows and ranks, which are
+            of the constraints (and of their base part) and of the critical tasks.
+    """
+
+    def __init__(
+        self, solver: PrioritizedIk, robot: Robot, tasks: TaskTrajectory, com: ComTrajectory
+    ) -> None:
+        self.solver, self.robot, self.dt = solver, robot, tasks.dt
+        tuning = solver.tuning
+        levels = [
+            parts_of(list(names), tasks)
+            for names in (tuning.critical, tuning.functional, tuning.extraneous)
+        ]
+        self.critical = levels[0]
+        self.tasks = BodyTasks(robot, tuple(part for level in levels for part in level))
+        self.targets: BodyTargets = body_targets(self.tasks.parts, tasks, com)
+        self.support = tasks.support
+        projected, size = tuning.null_space == "projected", float(tasks.com_height[0])
+        swings = {Support.DOUBLE: None, Support.LEFT: Side.RIGHT, Support.RIGHT: Side.LEFT}
+        self.sets = {
+            support: ConstraintSet(self.tasks, levels, projected, size, swing)
+            for support, swing in swings.items()
+        }
+        self._start_set = ConstraintSet(self.tasks, levels, False, size)
+        self.handover = handover_profile(tasks.support, tasks.dt, tuning.handover)
+        self.phase_starts = {0, *(np.flatnonzero(np.diff(tasks.support)) + 1).tolist()}
+        self.phases: dict[tuple[Support, int, int, int, int, int], tuple[float, int]] = {}
+        m, nv = self.tasks.m, robot.model.nv
+        self.jacobian_rate = JacobianRate(robot, self.tasks.parts, self.tasks.rows)
+        is_sole = np.zeros(m, bool)
+        for side in Side:
+            is_sole[self.tasks.rows[f"{side.label}_sole"]] = True
+        kappa = tuning.feedback
+        self.kp = np.where(is_sole, kappa, kappa**2) / self.dt**2
+        self.kd = np.where(is_sole, 1.0, 1.0 - (1.0 - kappa) ** 2) / self.dt
+        # what stays behind for long must not rush when it can go on
+        self.largest = CATCH_UP * self.dt / kappa
+        self.m_critical = len(self.sets[Support.DOUBLE].critical)  # the first of all rows
+        self.corrections = 0
+        self.posture_damping = min(POSTURE_DAMPING, 0.5 / self.dt)
+        self.bound = CONFLICT_SPEED * (self.posture_damping if solver.acceleration else 1.0)
+        # what no joint can do, a lower level need not ask for
+        largest = float(robot.speed_limit.max()) / (self.dt if solver.acceleration else 1.0)
+        self.least_behind = self.bound / largest
+        self.q, self.v = robot.standing_q.copy(), np.zeros(nv)
+        self.error, self.rates = np.empty(m), np.empty(m)
+        self.bias, self.free = np.empty(m), np.zeros(nv)
+        self.configurations = np.empty((tasks.n_samples, robot.model.nq))
+
+    def start(self) -> None:
+        """Bring q from the half-sitting posture onto the first sample, as near to it as can be.
+
+        Newton steps of all levels; joints left over come as near to the posture as they can.
+        """
+        for _ in range(MAX_START_ITERATIONS):
+            self._measure(0)
+            self.free[FLOATING_BASE_NV:] = self.robot.posture - self.q[FLOATING_BASE_NQ:]
+            dq = self._solve(self._start_set, 0, self.error)
+            largest = float(np.abs(dq).max())
+            dq *= min(1.0, MAX_START_STEP / largest) if largest > 0.0 else 1.0
+            self.q = pin.integrate(self.robot.model, self.q, dq)
+            if largest < CONVERGED:
+                break
+        self._measure(0)
+        self.configurations[0] = self.q
+        self._check_phase(0)
+
+    def step(self, k: int) -> None:
+        """Go on from sample k - 1, where `start` or the last step has measured the tasks, to k."""
+        np.clip(self.error, -self.largest, self.largest, out=self.error)
+        if self.solver.acceleration:
+            self._set_accelerations(k)
+            self.v += self.dt * self._blend(k)
+        else:
+            np.multiply(self.error, self.solver.tuning.feedback, out=self.rates)
+            self.rates += self.targets.steps[k]
+            self.rates /= self.dt
+            self._set_posture_velocity()
+            self.v = self._blend(k)
+        self.q = pin.integrate(self.robot.model, self.q, self.dt * self.v)
+        self._measure(k)
+        self._correct(k)
+        self.configurations[k] = self.q
+        if k in self.phase_starts:
+            self._check_phase(k)
+
+    def _correct(self, k: int) -> None:
+        """Bring critical tasks back, the swing sole too, where they are missed by too much.
+
+        Lower levels, as far as they can be met, do not move in this.
+        """
+        for _ in range(MAX_CORRECTIONS):
+            critical = self.error[: self.m_critical]
+            if np.dot(critical, critical) <= CORRECT_ABOVE**2:
+                return
+            self.corrections += 1
+            np.copyto(self.rates, self.error)
+            self.rates[self.m_critical :] = 0.0
+            self.free[:] = 0.0
+            self.error[:] = 0.0  # only A is behind
+            dq = self._solve(self.sets[Support.DOUBLE], k, self.rates)
+            self.q = pin.integrate(self.robot.model, self.q, dq)
+            self._measure(k)
+
+    def _measure(self, k: int) -> None:
+        """Jacobian at q and error against the references of sample k."""
+        self.tasks.update(self.q)
+        self.tasks.error(self.targets.x[k], self.targets.rotations[k], self.error)
+
+    def _set_accelerations(self, k: int) -> None:
+        """Fill the level rates of (18), and the acceleration that is free, for the step to k."""
+        steps, dt, rates = self.targets.steps, self.dt, self.rates
+        self.jacobian_rate.product(self.q, self.v, self.bias)
+        np.dot(self.tasks.J, self.v, out=rates)
+        rates -= (0.5 * dt) * self.bias
+        np.subtract(steps[k - 1] / dt, rates, out=rates)
+        rates *= self.kd
+        rates += self.kp * self.error
+        rates += (steps[k] - steps[k - 1]) / dt**2
+        rates -= self.bias
+        self._set_posture_velocity()
+        self.free -= self.v
+        self.free *= self.posture_damping
+
+    def _set_posture_velocity(self) -> None:
+        """Fill the velocity that joints follow where no level asks for anything."""
+        free, joints = self.free, self.q[FLOATING_BASE_NQ:]
+        free[:FLOATING_BASE_NV] = 0.0
+        np.subtract(self.robot.posture, joints, out=free[FLOATING_BASE_NV:])
+        free *= POSTURE_RATE
+
+    def _blend(self, k: int) -> Array:
+        """Solution (6 + n,) of the set that holds at sample k, or between two in a handover."""
+        factor = float(self.handover[k])
+        both, single = self.sets[Support.DOUBLE], self.sets[Support(self.support[k])]
+        if factor == 0.0 or single is both:
+            return self._solve(both, k, self.rates)
+        v = self._solve(single, k, self.rates)
+        if factor < 1.0:
+            v *= factor
+            v += (1.0 - factor) * self._solve(both, k, self.rates)
+        return v
+
+    def _solve(self, chosen: ConstraintSet, k: int, rates: Array) -> Array:
+        try:
+            return chosen.solve(
+                self.tasks.J, rates, self.error, self.free, self.bound, self.least_behind
+            )
+        except np.linalg.LinAlgError as error:
+            raise IkError(
+                k * self.dt, f"the set of critical tasks ({error})", np.inf, 0.0, ""
+            ) from error
+
+    def _check_phase(self, k: int) -> None:
+        """Refuse constraints that tasks cannot be controlled with, and note their ranks."""
+        support = Support(self.support[k])
+        soles = [self.tasks.rows[f"{side.label}_sole"] for side in support.sides]
+        J_C = np.concatenate([self.tasks.J[rows] for rows in soles])
+        J_A = self.tasks.J[self.sets[support].critical]
+        rank, base_rank, critical_rank = refuse_infeasible(k * self.dt, J_C, J_A)
+        kind = (support, len(J_C), rank, base_rank, len(J_A), critical_rank)
+        start, count = self.phases.get(kind, (k * self.dt, 0))
+        self.phases[kind] = (start, count + 1)
+
+    def _phase_report(self) -> list[dict[str, object]]:
+        """Each kind of phase once, with the start of the first and their number."""
+        keys = ("rows", "rank", "base_rank", "critical_rows", "critical_rank")
+        return [
+            {
+                "start": round(start, 9),
+                "support": support.label,
+                **dict(zip(keys, ranks, strict=True)),
+                "count": count,
+            }
+            for (support, *ranks), (start, count) in self.phases.items()
+        ]
+
+    def finish(self) -> JointTrajectory:
+        """The joint trajectory; raises IkError or JointLimitError where A or limits are missed.
+
+        Every task is measured anew at every sample.
+        """
+        misses = self._misses(self.task_errors())
+        if not self.solver.keep:
+            self._refuse_misses(misses)
+            self._refuse_limits()
+        return JointTrajectory(
+            self.configurations[:, FLOATING_BASE_NQ:].copy(),
+            report={
+                "phases": self._phase_report(),
+                "corrections": self.corrections,
+                "worst_errors": {name: float(size.max()) for name, size, *_ in misses},
+            },
+        )
+
+    def task_errors(self) -> Array:
+        """Target minus actual (N, m) at every sample, in the order of `BodyTasks`."""
+        errors = np.empty((len(self.configurations), self.tasks.m))
+        for k, q in enumerate(self.configurations):
+            self.tasks.update(q)
+            self.tasks.error(self.targets.x[k], self.targets.rotations[k], errors[k])
+        return errors
+
+    def _misses(self, errors: Array) -> list[tuple[str, Array, float, str, bool]]:
+        """Name, size (N,), tolerance, unit and whether it is critical, of every task."""
+        misses = []
+        for part in self.tasks.parts:
+            rows, is_critical = self.tasks.rows[part], part in self.critical
+            turns = slice(rows.stop - 3, rows.stop)
+            sizes = []
+            if part == "torso":
+                sizes = [("torso orientation", turns, ROTATION_TOLERANCE, "rad")]
+            elif part.endswith("sole"):
+                moves = slice(rows.start, rows.start + 3)
+                sizes = [(part, moves, POSITION_TOLERANCE, "m")]
+                sizes.append((f"{part} orientation", turns, ROTATION_TOLERANCE, "rad"))
+            else:
+                near = COM_TOLERANCE if part.startswith("com") else POSITION_TOLERANCE
+                sizes = [(part, rows, near, "m")]
+            for name, chosen, tolerance, unit in sizes:
+                size = np.linalg.norm(errors[:, chosen], axis=1)
+                misses.append((name.replace("_", " "), size, tolerance, unit, is_critical))
+        return misses
+
+    def _refuse_misses(self, misses: list[tuple[str, Array, float, str, bool]]) -> None:
+        """Raise IkError at the first sample at which a critical task is missed."""
+        found = []
+        for name, size, tolerance, unit, is_critical in misses:
+            missed = np.flatnonzero(~(size <= tolerance))  # NaN counts as missed
+            if is_critical and len(missed):
+                found.append((int(missed[0]), name, float(size[missed[0]]), tolerance, unit))
+        if found:
+            k, name, worst, tolerance, unit = min(found, key=lambda miss: miss[0])
+            raise IkError(k * self.dt, name, worst, tolerance, unit)
+
+    def _refuse_limits(self) -> None:
+        joints, robot = self.configurations[:, FLOATING_BASE_NQ:], self.robot
+        outside = np.argwhere((joints < robot.lower) | (joints > robot.upper))
+        if len(outside):
+            k, j = outside[0]
+            raise JointLimitError(
+                float(k * self.dt),
+                robot.joint_names[j],
+                float(joints[k, j]),
+                float(robot.lower[j]),
+                float(robot.upper[j]),
+            )
