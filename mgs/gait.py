@@ -168,7 +168,7 @@ class BalanceParameters(Model):
         gt=0.0,
         le=1.0,
         description="How far the CoM may stay behind its reference [m]; more than the default "
-        "where more is asked than the robot can reach.",
+        "where more is asked than the robot can reach, which ik1 to ik5 are made for.",
     )
     channels: list[AnyChannel] = Field(
         min_length=1, max_length=100, description="What moves; channels of the same task add up."

@@ -26,10 +26,11 @@ from scipy.linalg import lapack
 
 from mgs.com_generator import ComTrajectory
 from mgs.contact import Side, Support
-from mgs.errors import ConfigError, IkError, JointLimitError
+from mgs.errors import ConfigError, IkError
 from mgs.gait import IkParameters
 from mgs.geometry import rotations_from_quat_xyzw
 from mgs.ik_solver.joint_trajectory import JointTrajectory
+from mgs.ik_solver.misses import refuse_limits
 from mgs.ik_solver.tree_tasks import COM, LEFT_HAND, N_TASKS, RIGHT_HAND, SWING, TURN, TreeTasks
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
@@ -154,7 +155,8 @@ class _Run:
                 self._start(tree, q_tree, positions[0], rotations[0])
             errors = self._follow_span(tree, q_tree, start, positions, rotations)
             self._refuse_misses(start, errors)
-            self._refuse_limits(start, end)
+            if self.tuning.keep_limits:
+                refuse_limits(self.robot, self.angles[start:end], self.tasks.dt, start)
             q = self.angles[end - 1]
             if progress is not None:
                 progress(end, n)
@@ -280,18 +282,3 @@ class _Run:
             task, _, tolerance, unit = TOLERANCES[worst]
             t = (start + i) * self.tasks.dt
             raise IkError(t, task, float(residuals[i, worst]), tolerance, unit)
-
-    def _refuse_limits(self, start: int, end: int) -> None:
-        if not self.tuning.keep_limits:
-            return
-        span, robot = self.angles[start:end], self.robot
-        outside = (span < robot.lower) | (span > robot.upper)
-        if outside.any():
-            i, joint = np.argwhere(outside)[0]
-            raise JointLimitError(
-                (start + i) * self.tasks.dt,
-                robot.joint_names[joint],
-                float(span[i, joint]),
-                float(robot.lower[joint]),
-                float(robot.upper[joint]),
-            )

@@ -25,10 +25,11 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from mgs.com_generator import ComTrajectory
-from mgs.errors import ConfigError, IkError, JointLimitError
+from mgs.errors import ConfigError
 from mgs.gait import FarajiParameters, IkParameters
 from mgs.ik_solver.body_tasks import COM_AXES, BodyTargets, BodyTasks, body_targets, parts_of
 from mgs.ik_solver.joint_trajectory import JointTrajectory
+from mgs.ik_solver.misses import measure_tasks, refuse_limits, refuse_misses, task_misses
 from mgs.ik_solver.qp import BoundedQp, solve_equality
 from mgs.ik_solver.safety_region import SafetyRegion
 from mgs.ik_solver.stretch import stretched_joints
@@ -36,7 +37,6 @@ from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
 from mgs.trajectory_planner import TaskTrajectory
 
 Array = NDArray[np.float64]
-POSITION_TOLERANCE, ROTATION_TOLERANCE = 1e-4, 1.7e-4  # [m], [rad] of the hard tasks
 DEFAULT_ITERATIONS = 15
 POSTURE_WEIGHT = 1e-6  # small against a squared lever arm [m^2]
 NEAR_STRETCHED = 0.08  # [rad] from where an iteration does not start
@@ -105,6 +105,7 @@ class FarajiRun:
         self.solver, self.robot, self.dt = solver, robot, tasks.dt
         tuning = solver.tuning
         hard, soft = parts_of(tuning.hard, tasks), parts_of(tuning.soft, tasks)
+        self.hard = hard
         self.tasks = BodyTasks(robot, (*hard, *soft))
         self.targets: BodyTargets = body_targets((*hard, *soft), tasks, com)
         m, nv = self.tasks.m, robot.model.nv
@@ -168,6 +169,14 @@ class FarajiRun:
     def start(self) -> None:
         """Bring q from the half-sitting posture onto the first sample, at any speed."""
         region, joints = self.region, self.robot.posture
+        tight = np.flatnonzero(region.lower >= region.upper)
+        if len(tight):
+            half = 0.5 * (self.robot.upper - self.robot.lower).min()
+            raise ConfigError(
+                "ik.faraji.margin",
+                f"{self.solver.tuning.margin:g} rad on either side leaves nothing of the range of "
+                f"{self.robot.joint_names[int(tight[0])]}; below {half:.4f} on this robot",
+            )
         outside = np.flatnonzero((joints < region.lower) | (joints > region.upper))
         if len(outside):
             j = int(outside[0])
@@ -279,67 +288,20 @@ class FarajiRun:
 
         The hard tasks are measured anew at every sample, not taken from the last linearisation.
         """
-        errors = self.task_errors()[:, : len(self.E_hard)]
-        joints = self.configurations[:, FLOATING_BASE_NQ:]
+        errors = measure_tasks(self.tasks, self.targets, self.configurations)
+        joints = self.configurations[:, FLOATING_BASE_NQ:].copy()
         near = np.clip(joints, self.robot.lower, self.robot.upper)
         np.copyto(joints, near, where=np.abs(near - joints) < ROUNDING)
         if not self.solver.keep:
-            self._refuse_misses(errors)
-            self._refuse_limits()
-        return JointTrajectory(
-            self.configurations[:, FLOATING_BASE_NQ:].copy(),
-            self.velocities,
-            {
-                "hard_error": float(np.abs(errors).max()),
-                "elastic_samples": len(self.elastic),
-                "recovering_samples": len(self.recovering),
-            },
-        )
-
-    def task_errors(self) -> Array:
-        """Target minus actual (N, m) at every sample, hard rows first."""
-        errors = np.empty((len(self.configurations), self.tasks.m))
-        for k, q in enumerate(self.configurations):
-            self.tasks.update(q)
-            self.tasks.error(self.targets.x[k], self.targets.rotations[k], errors[k])
-        return errors
-
-    def _refuse_misses(self, errors: Array) -> None:
-        """Raise IkError at the first sample at which a hard task is missed."""
-        first: tuple[int, str, float, float, str] | None = None
-        for part in self.tasks.parts:
-            rows = self.tasks.rows[part]
-            if rows.stop > errors.shape[1]:
-                continue
-            named = [(part, rows, POSITION_TOLERANCE, "m")]
-            if part == "torso":
-                named = [("torso orientation", rows, ROTATION_TOLERANCE, "rad")]
-            elif part.endswith("sole"):
-                middle = rows.start + 3
-                turn = (f"{part} orientation", slice(middle, rows.stop), ROTATION_TOLERANCE, "rad")
-                named = [(part, slice(rows.start, middle), POSITION_TOLERANCE, "m"), turn]
-            for name, chosen, tolerance, unit in named:
-                sizes = np.linalg.norm(errors[:, chosen], axis=1)
-                missed = np.flatnonzero(~(sizes <= tolerance))
-                if len(missed) and (first is None or missed[0] < first[0]):
-                    k = int(missed[0])
-                    first = (k, name.replace("_", " "), float(sizes[k]), tolerance, unit)
-        if first is not None:
-            k, name, size, tolerance, unit = first
-            raise IkError(k * self.dt, name, size, tolerance, unit)
-
-    def _refuse_limits(self) -> None:
-        joints, robot = self.configurations[:, FLOATING_BASE_NQ:], self.robot
-        outside = np.argwhere((joints < robot.lower) | (joints > robot.upper))
-        if len(outside):
-            k, j = outside[0]
-            raise JointLimitError(
-                float(k * self.dt),
-                robot.joint_names[j],
-                float(joints[k, j]),
-                float(robot.lower[j]),
-                float(robot.upper[j]),
-            )
+            misses = task_misses(self.tasks, errors)
+            refuse_misses([miss for miss in misses if miss.part in self.hard], self.dt)
+            refuse_limits(self.robot, joints, self.dt)
+        report: dict[str, object] = {
+            "hard_error": float(np.abs(errors[:, : len(self.E_hard)]).max()),
+            "elastic_samples": len(self.elastic),
+            "recovering_samples": len(self.recovering),
+        }
+        return JointTrajectory(joints, self.velocities, report)
 
 
 def _size(rows: slice) -> int:

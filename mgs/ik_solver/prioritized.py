@@ -33,17 +33,17 @@ from numpy.typing import NDArray
 
 from mgs.com_generator import ComTrajectory
 from mgs.contact import Side, Support
-from mgs.errors import IkError, JointLimitError
+from mgs.errors import IkError
 from mgs.gait import IkParameters, PrioritizedParameters
 from mgs.ik_solver.body_tasks import BodyTargets, BodyTasks, body_targets, parts_of
 from mgs.ik_solver.constraints import ConstraintSet, handover_profile, refuse_infeasible
 from mgs.ik_solver.jacobian_rate import JacobianRate
 from mgs.ik_solver.joint_trajectory import JointTrajectory
+from mgs.ik_solver.misses import measure_tasks, refuse_limits, refuse_misses, task_misses
 from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
 from mgs.trajectory_planner import TaskTrajectory
 
 Array = NDArray[np.float64]
-POSITION_TOLERANCE, COM_TOLERANCE, ROTATION_TOLERANCE = 1e-4, 2e-4, 1.7e-4  # [m], [m], [rad]
 POSTURE_RATE = 1.0  # [1/s] at which left-over joints go to the half-sitting posture
 POSTURE_DAMPING = 10.0  # [1/s] at which they take on that speed in the acceleration form
 CONFLICT_SPEED = 1.0  # [rad/s] and [m/s], most that a level in conflict with others may ask for
@@ -279,68 +279,15 @@ class PrioritizedRun:
 
         Every task is measured anew at every sample.
         """
-        misses = self._misses(self.task_errors())
+        errors = measure_tasks(self.tasks, self.targets, self.configurations)
+        misses = task_misses(self.tasks, errors)
+        joints = self.configurations[:, FLOATING_BASE_NQ:].copy()
         if not self.solver.keep:
-            self._refuse_misses(misses)
-            self._refuse_limits()
-        return JointTrajectory(
-            self.configurations[:, FLOATING_BASE_NQ:].copy(),
-            report={
-                "phases": self._phase_report(),
-                "corrections": self.corrections,
-                "worst_errors": {name: float(size.max()) for name, size, *_ in misses},
-            },
-        )
-
-    def task_errors(self) -> Array:
-        """Target minus actual (N, m) at every sample, in the order of `BodyTasks`."""
-        errors = np.empty((len(self.configurations), self.tasks.m))
-        for k, q in enumerate(self.configurations):
-            self.tasks.update(q)
-            self.tasks.error(self.targets.x[k], self.targets.rotations[k], errors[k])
-        return errors
-
-    def _misses(self, errors: Array) -> list[tuple[str, Array, float, str, bool]]:
-        """Name, size (N,), tolerance, unit and whether it is critical, of every task."""
-        misses = []
-        for part in self.tasks.parts:
-            rows, is_critical = self.tasks.rows[part], part in self.critical
-            turns = slice(rows.stop - 3, rows.stop)
-            sizes = []
-            if part == "torso":
-                sizes = [("torso orientation", turns, ROTATION_TOLERANCE, "rad")]
-            elif part.endswith("sole"):
-                moves = slice(rows.start, rows.start + 3)
-                sizes = [(part, moves, POSITION_TOLERANCE, "m")]
-                sizes.append((f"{part} orientation", turns, ROTATION_TOLERANCE, "rad"))
-            else:
-                near = COM_TOLERANCE if part.startswith("com") else POSITION_TOLERANCE
-                sizes = [(part, rows, near, "m")]
-            for name, chosen, tolerance, unit in sizes:
-                size = np.linalg.norm(errors[:, chosen], axis=1)
-                misses.append((name.replace("_", " "), size, tolerance, unit, is_critical))
-        return misses
-
-    def _refuse_misses(self, misses: list[tuple[str, Array, float, str, bool]]) -> None:
-        """Raise IkError at the first sample at which a critical task is missed."""
-        found = []
-        for name, size, tolerance, unit, is_critical in misses:
-            missed = np.flatnonzero(~(size <= tolerance))  # NaN counts as missed
-            if is_critical and len(missed):
-                found.append((int(missed[0]), name, float(size[missed[0]]), tolerance, unit))
-        if found:
-            k, name, worst, tolerance, unit = min(found, key=lambda miss: miss[0])
-            raise IkError(k * self.dt, name, worst, tolerance, unit)
-
-    def _refuse_limits(self) -> None:
-        joints, robot = self.configurations[:, FLOATING_BASE_NQ:], self.robot
-        outside = np.argwhere((joints < robot.lower) | (joints > robot.upper))
-        if len(outside):
-            k, j = outside[0]
-            raise JointLimitError(
-                float(k * self.dt),
-                robot.joint_names[j],
-                float(joints[k, j]),
-                float(robot.lower[j]),
-                float(robot.upper[j]),
-            )
+            refuse_misses([miss for miss in misses if miss.part in self.critical], self.dt)
+            refuse_limits(self.robot, joints, self.dt)
+        report: dict[str, object] = {
+            "phases": self._phase_report(),
+            "corrections": self.corrections,
+            "worst_errors": {miss.name: float(miss.size.max()) for miss in misses},
+        }
+        return JointTrajectory(joints, report=report)
