@@ -12,7 +12,6 @@ from pydantic import ValidationError
 
 from mgs.errors import ConfigError
 from mgs.gait import (
-    MAX_SAMPLES,
     BalanceGait,
     WalkGait,
     find_gait,
@@ -21,6 +20,7 @@ from mgs.gait import (
     parse_gait,
     shipped_folder,
 )
+from mgs.gait.kinds import MAX_SAMPLES
 from tests.strategies import (
     balance_gait,
     balances,

@@ -1,0 +1,132 @@
+"""The block `ik` of a gait file."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from mgs.config import Model
+
+Weight = Annotated[list[Annotated[float, Field(gt=0.0, le=1e6)]], Field(min_length=3, max_length=3)]
+TaskName = Literal["soles", "torso", "com", "hands"]
+PartName = Literal["soles", "torso", "com", "com_xy", "com_z", "hands"]
+SolverName = Literal[
+    "clik", "ik1", "ik2", "ik3", "ik4", "ik5", "prioritized", "prioritized-acceleration"
+]
+
+
+class FarajiParameters(Model):
+    """Inverse kinematics ik1 to ik5 (Faraji and Ijspeert): hard rows, soft rows, safety region."""
+
+    hard: list[TaskName] = Field(
+        ["soles", "torso", "hands"], description="Tasks met exactly; those not asked for are left."
+    )
+    soft: dict[TaskName, Weight] = Field(
+        {"com": [1.0, 1.0, 1.0]},
+        description="Tasks that may be compromised, with the weights Q of their x, y, z.",
+    )
+    damping: float = Field(
+        1e-4,
+        gt=0.0,
+        le=1e3,
+        description="R, weight of the joint steps; 1e-2 where a leg stretches in ik1 to ik3.",
+    )
+    gamma: float = Field(
+        10.0, ge=0.0, le=1e3, description="Weight of the task velocity in ik4 and ik5."
+    )
+    gamma_rows: Literal["soft", "all"] = Field(
+        "soft", description="Rows that gamma acts on; all: as eq. (8) is printed."
+    )
+    region: Literal["ellipse", "polygon"] = Field(
+        "ellipse", description="Shape of the safety region of position and speed (ik3 to ik5)."
+    )
+    speed_max: float | None = Field(
+        None, gt=0.0, le=100.0, description="Joint speed mid-range [rad/s]; null: the robot's."
+    )
+    margin: float = Field(
+        0.0, ge=0.0, le=1.0, description="q_s, distance kept from the joint limits [rad]."
+    )
+    posture_weight: float | None = Field(
+        None,
+        ge=0.0,
+        le=1.0,
+        description="Pull to the half-sitting posture, as a part of the soft tasks' weight [m^2]; "
+        "null: 1e-6 if joints are left over, else 0.",
+    )
+
+    @model_validator(mode="after")
+    def _each_task_once(self) -> FarajiParameters:
+        if twice := set(self.hard) & set(self.soft):
+            raise ValueError(f"{min(twice)} is both hard and soft; keep it in one of them")
+        if not self.hard or not self.soft:
+            raise ValueError("both hard and soft want at least one task")
+        return self
+
+
+class PrioritizedParameters(Model):
+    """Prioritised floating-base inverse kinematics (Mistry et al.): three levels of tasks."""
+
+    critical: list[PartName] = Field(
+        ["soles", "com_xy"], description="Level A, met whatever the others ask."
+    )
+    functional: list[PartName] = Field(["hands"], description="Level B.")
+    extraneous: list[PartName] = Field(["torso", "com_z"], description="Level E.")
+    null_space: Literal["tracking", "projected"] = Field(
+        "tracking",
+        description="tracking: (J_B N_A)^+, lower levels are met where they can be; projected: "
+        "N_A J_B^+ as in eq. (16).",
+    )
+    feedback: float = Field(
+        0.5, gt=0.0, le=1.0, description="Share of a task error that is taken back per sample."
+    )
+    handover: float = Field(
+        0.1, ge=0.0, le=2.0, description="Time to blend constraint sets at a support switch [s]."
+    )
+
+    @model_validator(mode="after")
+    def _each_task_once(self) -> PrioritizedParameters:
+        parts = [
+            part
+            for name in [*self.critical, *self.functional, *self.extraneous]
+            for part in (("com_xy", "com_z") if name == "com" else (name,))
+        ]
+        for part in parts:
+            if parts.count(part) > 1:
+                raise ValueError(f"{part} stands in two levels; keep it in one of them")
+        if "soles" not in self.critical:
+            raise ValueError("soles have to be critical: without them the base is not determined")
+        return self
+
+
+class IkParameters(Model):
+    """Inverse kinematics (stage 4)."""
+
+    solver: SolverName = Field("clik", description="Name of the solver.")
+    gamma_joint: float = Field(
+        0.35, ge=0.0, le=1e3, description="clik: gain of the joint-limit gradient [rad^2/s]."
+    )
+    gamma_grav: float = Field(
+        0.0,
+        ge=0.0,
+        le=1e3,
+        description="clik: gain of the gravity-torque gradient [1/((N m)^2 s)].",
+    )
+    gamma_grav_ramp: float = Field(
+        0.2,
+        ge=1e-4,
+        le=10.0,
+        description="clik: time over which gamma_grav falls before double support [s].",
+    )
+    iterations: int | None = Field(
+        None,
+        ge=0,
+        le=50,
+        description="clik: task-only Newton updates per sample, null: until the tolerance is met; "
+        "ik2, ik4, ik5: n, null: 15.",
+    )
+    on_limit: Literal["refuse", "record"] = Field(
+        "refuse", description="What to do when a joint leaves its range."
+    )
+    faraji: FarajiParameters = FarajiParameters()
+    prioritized: PrioritizedParameters = PrioritizedParameters()

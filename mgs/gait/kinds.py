@@ -1,0 +1,112 @@
+"""The kinds of gait file, one for each kind of motion."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+import yaml
+from pydantic import Field, TypeAdapter, model_validator
+
+from mgs.config import FormatVersion, Model
+from mgs.gait.balance import COM_TOLERANCE, BalanceParameters
+from mgs.gait.ik import IkParameters
+from mgs.gait.walk import ComParameters, WalkParameters
+
+MAX_SAMPLES = 2_000_000  # about 5 GB of arrays
+
+
+class GaitFile(Model):
+    """What every gait file has."""
+
+    mgs: FormatVersion = Field(description="Version of this format.")
+    robot: str | None = Field(
+        None, min_length=1, max_length=4096, description="Shipped robot or a robot folder."
+    )
+    motion: str
+    dt: float = Field(0.01, ge=1e-4, le=0.1, description="Sampling period [s].")
+
+    @property
+    def duration(self) -> float:
+        """Length of the motion [s]."""
+        raise NotImplementedError
+
+    @property
+    def com_tolerance(self) -> float:
+        """Largest distance of the CoM from its reference that passes [m]."""
+        return COM_TOLERANCE
+
+    def to_yaml(self) -> str:
+        """The gait as resolved, every default written out."""
+        return yaml.safe_dump(self.model_dump(), sort_keys=False, default_flow_style=None)
+
+    def _refuse_too_long(self, remedy: str) -> None:
+        if self.duration / self.dt > MAX_SAMPLES:
+            raise ValueError(
+                f"{self.duration:.0f} s at dt = {self.dt:g} s are {self.duration / self.dt:.2g} "
+                f"samples, {MAX_SAMPLES:g} allowed; use {remedy} or a larger dt"
+            )
+
+
+class WalkGait(GaitFile):
+    """A gait file with `motion: walk`."""
+
+    motion: Literal["walk"] = Field(description="Kind of motion.")
+    walk: WalkParameters
+    com: ComParameters = ComParameters()
+    ik: IkParameters = IkParameters()
+
+    @property
+    def duration(self) -> float:
+        """Length of the motion [s]."""
+        walk = self.walk
+        rests = walk.lead_in + walk.lead_out + walk.double_support
+        return rests + walk.n_steps * (walk.double_support + walk.single_support)
+
+    @model_validator(mode="after")
+    def _rests_as_long_as_it_previews(self) -> WalkGait:
+        for key in ("lead_in", "lead_out"):
+            rest = getattr(self.walk, key)
+            if rest < self.com.preview:
+                raise ValueError(
+                    f"walk.{key} = {rest:g} s is shorter than the preview window com.preview = "
+                    f"{self.com.preview:g} s; the CoM would not be at rest: lengthen walk.{key}"
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _fits_into_memory(self) -> WalkGait:
+        self._refuse_too_long("fewer walk.n_steps")
+        return self
+
+
+class BalanceGait(GaitFile):
+    """A gait file with `motion: balance`."""
+
+    motion: Literal["balance"] = Field(description="Kind of motion.")
+    balance: BalanceParameters
+    ik: IkParameters = IkParameters()
+
+    @property
+    def duration(self) -> float:
+        """Length of the motion [s]."""
+        return self.balance.duration
+
+    @property
+    def com_tolerance(self) -> float:
+        """Largest distance of the CoM from its reference that passes [m]."""
+        return self.balance.com_tolerance
+
+    @model_validator(mode="after")
+    def _fits_into_memory(self) -> BalanceGait:
+        self._refuse_too_long("a shorter balance.duration")
+        return self
+
+
+Gait = WalkGait | BalanceGait
+GAITS: dict[str, type[WalkGait] | type[BalanceGait]] = {"walk": WalkGait, "balance": BalanceGait}
+
+
+def gait_schema() -> dict[str, Any]:
+    """JSON schema of all kinds of gait file."""
+    kinds: Any = Annotated[Gait, Field(discriminator="motion")]
+    return TypeAdapter(kinds).json_schema()

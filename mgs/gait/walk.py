@@ -1,0 +1,71 @@
+"""The blocks `walk` and `com` of a gait file."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from mgs.config import Model
+
+Duration = Annotated[float, Field(gt=0.0, le=60.0)]
+Length = Annotated[float, Field(ge=-1.0, le=1.0)]
+
+
+class WalkParameters(Model):
+    """Steps of one walk and their timing; SI units; x forward, y left, z up."""
+
+    n_steps: int = Field(ge=1, le=20_000, description="Steps taken, the closing one included.")
+    step_length: Length = Field(
+        0.0, description="Advance of the swing sole past the support sole [m]; negative: backward."
+    )
+    lateral: Length = Field(
+        0.0, description="Sideways advance of each step of the leading foot [m]; positive: left."
+    )
+    step_yaw: float = Field(
+        0.0, ge=-1.0, le=1.0, description="Turn of each step [rad]; positive: to the left."
+    )
+    step_width: float | None = Field(
+        None, gt=0.0, le=2.0, description="Distance of the soles [m]; null: as in the posture."
+    )
+    first_support: Literal["left", "right"] | None = Field(
+        None, description="Foot that stands first; null: the one that lets the leading foot begin."
+    )
+    lead_in: Duration = Field(
+        1.8, description="Rest before the first weight shift [s]; at least the preview window."
+    )
+    double_support: Duration = Field(
+        0.2, description="Each phase with both soles down, first and last weight shift too [s]."
+    )
+    single_support: Duration = Field(0.5, description="Each phase on one sole [s].")
+    lead_out: Duration = Field(1.8, description="Rest after the last weight shift [s].")
+    step_height: float = Field(
+        0.02, gt=0.0, le=0.5, description="Highest point of the swing sole above the ground [m]."
+    )
+    com_height: float | None = Field(
+        None, ge=1e-3, le=3.0, description="Height of the CoM above the ground [m]; null: posture."
+    )
+    zmp_offset: Annotated[list[Length], Field(min_length=2, max_length=2)] = Field(
+        [0.0, 0.0],
+        description="Place of the ZMP in a support sole: forward and inward of its centre [m].",
+    )
+
+    @model_validator(mode="after")
+    def _moves_only_as_a_foot_can(self) -> WalkParameters:
+        if self.n_steps == 1 and (self.step_length or self.lateral or self.step_yaw):
+            raise ValueError(
+                "n_steps = 1 is the closing step alone and goes nowhere; use n_steps >= 2"
+            )
+        return self
+
+
+class ComParameters(Model):
+    """Preview control of the ZMP (stage 3)."""
+
+    preview: float = Field(1.6, ge=0.1, le=10.0, description="Preview window [s].")
+    weight_error: float = Field(
+        1.0, gt=0.0, le=1e12, description="Q_e, weight of the ZMP error [1/m^2]."
+    )
+    weight_jerk: float = Field(
+        1e-6, gt=0.0, le=1e6, description="R, weight of the jerk; not invariant to dt [s^6/m^2]."
+    )
