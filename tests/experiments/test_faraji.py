@@ -11,7 +11,7 @@ from PIL import Image
 
 from mgs.experiments import Claim
 from mgs.experiments.faraji import run
-from mgs.experiments.faraji_runs import ROBOT, Z_MAX, Key, gait_of, run_one
+from mgs.experiments.faraji.runs import ROBOT, Z_MAX, Key, gait_of, run_one
 from mgs.robot import load_robot
 
 TASKS = "ABCDEFGH"

@@ -10,9 +10,18 @@ from mgs.com_generator.preview import preview_gains
 from mgs.errors import OutputExistsError
 from mgs.experiments import preview
 from mgs.experiments.claim import Claim
-from mgs.experiments.preview import Study, fast_rms, solve, step_claim, weight_claim
-from mgs.experiments.preview_figures import NAMES, plot_step
-from mgs.experiments.preview_servo import Servo, iterated_feedback, simulate, step_reference
+from mgs.experiments.preview.figures import NAMES, plot_step
+from mgs.experiments.preview.servo import Servo, iterated_feedback, simulate, step_reference
+from mgs.experiments.preview.study import (
+    SOFT,
+    STIFF,
+    Study,
+    fast_rms,
+    solve,
+    step_claim,
+    stepping,
+    weight_claim,
+)
 from mgs.gait import ComParameters
 
 SERVO = Servo(dt=0.01, com_height=0.27, parameters=ComParameters())
@@ -68,7 +77,7 @@ def test_the_recursion_needs_no_more_than_the_weights() -> None:
 
 
 def test_the_step_claim_fails_for_a_zmp_that_overshoots(study: Study) -> None:
-    wild = {**study.answers, preview.SOFT: study.step * 1.2}
+    wild = {**study.answers, SOFT: study.step * 1.2}
     claim = step_claim(dataclasses.replace(study, answers=wild))
     assert claim.holds is False
     assert claim.values["overshoot"] == pytest.approx(0.2)
@@ -77,13 +86,13 @@ def test_the_step_claim_fails_for_a_zmp_that_overshoots(study: Study) -> None:
 
 def test_the_error_on_fast_steps_is_a_root_mean_square(study: Study) -> None:
     off = study.fast.zmp_ref + np.array([3e-3, 4e-3])  # 5 mm everywhere
-    wrong = dataclasses.replace(study, fast_zmp={preview.SOFT: off, preview.STIFF: off})
-    assert fast_rms(wrong, preview.SOFT) == pytest.approx(5e-3)
+    wrong = dataclasses.replace(study, fast_zmp={SOFT: off, STIFF: off})
+    assert fast_rms(wrong, SOFT) == pytest.approx(5e-3)
     assert weight_claim(wrong).holds is False
 
 
 def test_the_window_of_fast_steps_holds_every_step_and_no_rest(study: Study) -> None:
-    window = preview.stepping(study)
+    window = stepping(study)
     moving = np.any(np.diff(study.fast.zmp_ref, axis=0) != 0.0, axis=1)
     assert not moving[~(window[1:] | window[:-1])].any()
     assert window.sum() * study.fast.dt == pytest.approx(10 * 0.5 + 0.1, abs=0.02)
@@ -92,4 +101,4 @@ def test_the_window_of_fast_steps_holds_every_step_and_no_rest(study: Study) -> 
 def test_the_step_figure_shows_the_answer(study: Study) -> None:
     axes = plot_step(study).axes[0]
     zmp = next(line for line in axes.get_lines() if line.get_label() == "ZMP")
-    np.testing.assert_allclose(np.asarray(zmp.get_ydata()), 1e3 * study.answers[preview.SOFT])
+    np.testing.assert_allclose(np.asarray(zmp.get_ydata()), 1e3 * study.answers[SOFT])

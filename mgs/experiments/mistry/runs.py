@@ -1,4 +1,4 @@
-"""Runs of the experiments of Mistry et al., and what is measured on them; see `mistry`."""
+"""Runs of the experiments of Mistry et al., and what is measured on them; see the package."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures of the preview control study; see `preview`."""
+"""Figures of the preview control study; see the package."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mgs.experiments.preview import SOFT, STEP_BEFORE, STIFF, Array, Study, follow, stepping
+from mgs.experiments.preview.study import SOFT, STEP_BEFORE, STIFF, Array, Study, follow, stepping
 from mgs.gait import ComParameters
 from mgs.report.canvas import (
     BLACK,

@@ -11,8 +11,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from mgs.experiments.claim import Claim, Progress
-from mgs.experiments.mistry_claims import all_claims
-from mgs.experiments.mistry_runs import solve
+from mgs.experiments.mistry.claims import all_claims
+from mgs.experiments.mistry.runs import solve
 
 
 def run(
@@ -28,11 +28,11 @@ def run(
     Raises:
         OutputExistsError: a figure is in the way and `force` is not set.
     """
-    from mgs.experiments import mistry_figures  # matplotlib is slow to import
+    from mgs.experiments.mistry import figures  # matplotlib is slow to import
 
     if folder is not None:
-        mistry_figures.refuse_existing(folder, force=force)
+        figures.refuse_existing(folder, force=force)
     study = solve(progress)
     if folder is not None:
-        mistry_figures.write_figures(study, folder, force=force)
+        figures.write_figures(study, folder, force=force)
     return all_claims(study)

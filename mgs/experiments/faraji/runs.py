@@ -1,4 +1,4 @@
-"""Runs of the experiments of Faraji and Ijspeert, and what is measured on them; see `faraji`."""
+"""Runs of the experiments of Faraji and Ijspeert, and what is measured on them; see the package."""
 
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
-"""What Faraji and Ijspeert found, held against our runs; see `faraji`."""
+"""What Faraji and Ijspeert found, held against our runs; see the package."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from mgs.experiments.claim import Claim
-from mgs.experiments.faraji_runs import (
+from mgs.experiments.faraji.runs import (
     BOUNDED,
     CROUCHES,
     FEW,

@@ -16,8 +16,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from mgs.experiments.claim import Claim, Progress
-from mgs.experiments.melson_claims import all_claims
-from mgs.experiments.melson_runs import solve
+from mgs.experiments.melson.claims import all_claims
+from mgs.experiments.melson.runs import solve
 
 
 def run(
@@ -33,11 +33,11 @@ def run(
     Raises:
         OutputExistsError: a figure is in the way and `force` is not set.
     """
-    from mgs.experiments import melson_figures  # matplotlib is slow to import
+    from mgs.experiments.melson import figures  # matplotlib is slow to import
 
     if folder is not None:
-        melson_figures.refuse_existing(folder, force=force)
+        figures.refuse_existing(folder, force=force)
     study = solve(progress)
     if folder is not None:
-        melson_figures.write_figures(study, folder, force=force)
+        figures.write_figures(study, folder, force=force)
     return all_claims(study)

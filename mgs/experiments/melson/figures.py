@@ -1,4 +1,4 @@
-"""Figures of the Melson experiments, after figures 3 to 10 of the paper; see `melson`."""
+"""Figures of the Melson experiments, after figures 3 to 10 of the paper; see the package."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from mgs.contact import Side, Support
-from mgs.experiments.melson_runs import DRIFT_JOINT, SCENARIOS, Array, Study, angle_of, drift_series
+from mgs.experiments.melson.runs import DRIFT_JOINT, SCENARIOS, Array, Study, angle_of, drift_series
 from mgs.report.canvas import BLACK, SKY, VERMILION, Figure, figure_paths, save_figures
 from mgs.report.panels import Line, Panel, draw_panels, shade_single_support
 from mgs.report.poses import Pose, plot_poses

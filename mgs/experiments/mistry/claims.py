@@ -1,4 +1,4 @@
-"""What Mistry et al. state and found, held against our runs; see `mistry`."""
+"""What Mistry et al. state and found, held against our runs; see the package."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from mgs.contact import Side
 from mgs.experiments.claim import Claim
-from mgs.experiments.mistry_runs import (
+from mgs.experiments.mistry.runs import (
     ACCELERATION,
     EIGHT,
     PROJECTED,

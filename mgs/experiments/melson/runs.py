@@ -1,4 +1,4 @@
-"""The runs of the Melson experiments, and what is measured on them; see `melson`."""
+"""The runs of the Melson experiments, and what is measured on them; see the package."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mgs.contact import Side, Support
 from mgs.experiments.claim import Progress
-from mgs.experiments.gravity import gravity_torques
+from mgs.experiments.melson.gravity import gravity_torques
 from mgs.gait import load_gait
 from mgs.geometry import rotation_angles
 from mgs.pipeline import Stages, generate

@@ -1,4 +1,4 @@
-"""What the Melson paper found, held against our runs; see `melson`."""
+"""What the Melson paper found, held against our runs; see the package."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import numpy as np
 
 from mgs.contact import Side
 from mgs.experiments.claim import Claim
-from mgs.experiments.gravity import gravity_cost
-from mgs.experiments.melson_runs import (
+from mgs.experiments.melson.gravity import gravity_cost
+from mgs.experiments.melson.runs import (
     DRIFT_JOINT,
     Study,
     angle_of,

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from mgs.contact import Side
-from mgs.experiments.mistry_runs import (
+from mgs.experiments.mistry.runs import (
     EIGHT,
     PROJECTED,
     SWAY,

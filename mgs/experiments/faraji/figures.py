@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mgs.experiments.faraji_runs import (
+from mgs.experiments.faraji.runs import (
     BENT_DEG,
     CROUCHES,
     FEW,

@@ -1,14 +1,8 @@
-"""Closed-loop analysis of the ZMP preview control of stage 3, with Melson's figures.
-
-Poles, gains and Riccati solution against python-control and against derivations that share no code
-with ours; the answer to a step of the reference that is known in advance; what the weight of the
-jerk costs on fast steps.
-"""
+"""The servos, what they are put through, and what is claimed of them; see the package."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +11,8 @@ from mgs.com_generator import generate_com
 from mgs.com_generator.com_trajectory import GRAVITY
 from mgs.com_generator.preview import follow_zmp
 from mgs.contact import Support
-from mgs.experiments.claim import Claim, Progress
-from mgs.experiments.preview_servo import (
+from mgs.experiments.claim import Claim
+from mgs.experiments.preview.servo import (
     Servo,
     iterated_feedback,
     lqr_feedback,
@@ -60,34 +54,6 @@ class Study:
     com: Array  # (N,) of the soft servo [m]
     fast: TaskTrajectory
     fast_zmp: dict[float, Array]  # weight -> ZMP (M, 2) [m]
-
-
-def run(
-    folder: Path | None = None, progress: Progress | None = None, *, force: bool = True
-) -> list[Claim]:
-    """Analyse the servo; figures go into `folder` if one is given.
-
-    Args:
-        folder: made if missing.
-        progress: called with parts done and parts in all.
-        force: replace existing figures.
-
-    Raises:
-        OutputExistsError: a figure is in the way and `force` is not set.
-    """
-    from mgs.experiments import preview_figures  # matplotlib is slow to import
-
-    if folder is not None:
-        preview_figures.refuse_existing(folder, force=force)
-    study = solve()
-    claims = []
-    for i, part in enumerate(CLAIMS):
-        claims.append(part(study))
-        if progress is not None:
-            progress(i + 1, len(CLAIMS))
-    if folder is not None:
-        preview_figures.write_figures(study, folder, force=force)
-    return claims
 
 
 def solve() -> Study:

@@ -14,8 +14,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from mgs.experiments.claim import Claim, Progress
-from mgs.experiments.faraji_claims import all_claims
-from mgs.experiments.faraji_runs import solve
+from mgs.experiments.faraji.claims import all_claims
+from mgs.experiments.faraji.runs import solve
 
 
 def run(
@@ -31,11 +31,11 @@ def run(
     Raises:
         OutputExistsError: a figure is in the way and `force` is not set.
     """
-    from mgs.experiments import faraji_figures  # matplotlib is slow to import
+    from mgs.experiments.faraji import figures  # matplotlib is slow to import
 
     if folder is not None:
-        faraji_figures.refuse_existing(folder, force=force)
+        figures.refuse_existing(folder, force=force)
     study = solve(progress)
     if folder is not None:
-        faraji_figures.write_figures(study, folder, force=force)
+        figures.write_figures(study, folder, force=force)
     return all_claims(study)
