@@ -132,10 +132,9 @@ class BodyTasks:
                 position = self.f[first][:3]
                 self._points.append((used, self.J[first], position, slice(0, 6)))
         turning = [p for p in parts if p == "torso" or p.endswith("sole")]
-        self._rotations = [
-            (slice(self.rows[p].stop - 3, self.rows[p].stop), self.data.oMf[frames[p]])
-            for p in turning
-        ]
+        self._turns = [slice(self.rows[p].stop - 3, self.rows[p].stop) for p in turning]
+        # views that follow every update
+        self._rotations_T = [self.data.oMf[frames[p]].rotation.T for p in turning]
 
     def update(self, q: Array) -> None:
         """Refill J and f at q (7 + n,)."""
@@ -155,11 +154,11 @@ class BodyTasks:
         """Derivative (3, 6 + n) of J_com(q) v by q, at constant v (6 + n,)."""
         model, data = self.model, self.data
         pin.computeForwardKinematicsDerivatives(model, data, q, v, self._at_rest)
-        pin.centerOfMass(model, data, q, v, True)
+        pin.centerOfMass(model, data, pin.KinematicLevel.VELOCITY, True)
         return pin.getCenterOfMassVelocityDerivatives(model, data)
 
     def error(self, x: Array, rotations: Array, out: Array) -> None:
         """Target minus actual (m,) for one row of `BodyTargets.x` and `.rotations`."""
         np.subtract(x, self.f, out=out)
-        for (rows, placement), R_ref in zip(self._rotations, rotations, strict=True):
-            out[rows] = pin.log3(R_ref.dot(placement.rotation.T))
+        for i, rows in enumerate(self._turns):
+            out[rows] = pin.log3(rotations[i].dot(self._rotations_T[i]))

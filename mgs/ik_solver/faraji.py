@@ -17,6 +17,7 @@ more joints than tasks is drawn to its half-sitting posture by a term of small w
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -102,7 +103,7 @@ class FarajiRun:
     def __init__(
         self, solver: FarajiIk, robot: Robot, tasks: TaskTrajectory, com: ComTrajectory
     ) -> None:
-        self.solver, self.robot, self.dt = solver, robot, tasks.dt
+        self.solver, self.robot, self.model, self.dt = solver, robot, robot.model, tasks.dt
         tuning = solver.tuning
         hard, soft = parts_of(tuning.hard, tasks), parts_of(tuning.soft, tasks)
         self.hard = hard
@@ -149,8 +150,9 @@ class FarajiRun:
         self.low, self.high = np.empty(robot.n), np.empty(robot.n)
         self.q = robot.standing_q.copy()
         self.H, self.g = np.zeros((nv, nv)), np.zeros(nv)
-        self.A, self.b = self.J_hard, np.zeros(m_hard)
+        self.A, self.b = self.J_hard, self.E_hard
         self._diagonal = self.H.ravel()[:: nv + 1]  # a view
+        self._turned = np.empty((m_soft, nv))
         self.configurations = np.empty((tasks.n_samples, robot.model.nq))
         self.velocities = np.empty((tasks.n_samples, robot.n)) if solver.method == 2 else None
         self.elastic: list[int] = []
@@ -220,16 +222,16 @@ class FarajiRun:
         self.q = q
 
     def _iterate(self, k: int, gamma: float, gamma_hard: float, q_prev: Array | None) -> float:
-        """One linearisation about q, one step; the largest part of the step."""
+        """One linearisation about q, one step; its length."""
         tasks, q = self.tasks, self.q
         tasks.update(q)
         tasks.error(self.targets.x[k], self.targets.rotations[k], self.error)
-        np.copyto(self.b, self.E_hard)
+        self.b = self.E_hard
         if gamma and q_prev is not None:
-            v = pin.difference(self.robot.model, q_prev, q)
+            v = pin.difference(self.model, q_prev, q)
             if gamma_hard:
-                self.b += gamma_hard * (self.steps_hard[k] - self.J_hard.dot(v))
-                self.b /= 1.0 + gamma_hard
+                lag = self.steps_hard[k] - self.J_hard.dot(v)
+                self.b = (self.E_hard + gamma_hard * lag) / (1.0 + gamma_hard)
             self._set_gamma_objective(q, v, self.steps_soft[k], gamma)
         else:
             self._set_objective(self.J_soft, self.E_soft, self.weights)
@@ -238,16 +240,16 @@ class FarajiRun:
             self.g[FLOATING_BASE_NV:] -= self.posture_weight * (self.robot.posture - joints)
         if not self.solver.is_bounded:
             dq = solve_equality(self.H, self.g, self.A, self.b)
-            self.q = pin.integrate(self.robot.model, q, dq)
+            self.q = pin.integrate(self.model, q, dq)
         else:
             np.subtract(self.low, joints, out=self.qp.low)
             np.subtract(self.high, joints, out=self.qp.high)
             dq = self.qp.solve(self.H, self.g, self.A, self.b)
-            self.q = pin.integrate(self.robot.model, q, dq)
+            self.q = pin.integrate(self.model, q, dq)
             joints = self.q[FLOATING_BASE_NQ:]
             np.maximum(joints, self.low, out=joints)  # to rounding
             np.minimum(joints, self.high, out=joints)
-        return float(np.abs(dq).max())
+        return math.sqrt(dq.dot(dq))
 
     def _set_gamma_objective(self, q: Array, v: Array, step: Array, gamma: float) -> None:
         """Fill H and g of ik4 or ik5, for v (6 + n,) from q_prev to q and step (m_soft,) = xdot dt.
@@ -255,16 +257,20 @@ class FarajiRun:
         J(q) v depends on q by v and by J. At a stretched knee, where J itself vanishes, the latter
         is all there is; of the soft tasks it is taken into account for the CoM.
         """
-        J, E, Q = self.J_soft, self.E_soft, self.weights
-        lag = step - J.dot(v)
-        turned = J.copy()  # derivative of J v by q
+        J, E, turned = self.J_soft, self.E_soft, self._turned
+        lag = J.dot(v)
+        np.subtract(step, lag, out=lag)
+        np.copyto(turned, J)  # derivative of J v by q
         for rows, axes in self._soft_com:
             turned[rows] += self.tasks.com_velocity_derivative(q, v)[axes]
         if self.solver.method == 4:
             turned *= gamma
             turned += J
-            self._set_objective(turned, E + gamma * lag, Q)
+            lag *= gamma
+            lag += E
+            self._set_objective(turned, lag, self.weights)
         else:
+            Q = self.weights
             both = np.concatenate([J, turned])
             self._set_objective(both, np.concatenate([E, lag]), np.concatenate([Q, gamma * Q]))
 

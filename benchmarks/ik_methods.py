@@ -1,0 +1,472 @@
+"""Time of every IK solver on a squat and a walk, beside other ways to solve the same.
+
+python benchmarks/ik_methods.py                  about a minute
+python benchmarks/ik_methods.py --rounds 2       fewer rounds
+python benchmarks/ik_methods.py --blas-threads 2 what SLSQP takes when BLAS is left to itself
+python benchmarks/ik_methods.py --json           one JSON object
+
+Solvers: ik1 to ik5 by single solves, `FarajiRun.step`, over whole runs; the others, whose loops are
+one piece, by the time of a whole solve divided by its samples. The squat is task B of Faraji and
+Ijspeert (18 degrees of freedom, knees stretched at the top of every cycle), the walk 5 cm steps.
+
+The same problem: one sample of ik4 as the nonlinear program that it is, given to SLSQP and Ipopt
+with exact derivatives, from the same q_prev and first guess (`nonlinear_side`); the row without
+Jacobians is what SLSQP takes if it is left to differences. Slack is |delta|_Q, the root of what ik4
+minimises; smaller than ours is better, and hard rows must be met as well. Samples are spread over
+the run, and over those next to a stretched knee. SLSQP's ftol bounds the objective [m^2] and the
+sum of the violations.
+
+pink: its differential IK with DAQP, one step per sample of the same targets on the same robot. That
+is another problem: weighted tasks, one linearisation, no hard rows, no safety region. The ratio
+compares what a user waits for, not two implementations of one method.
+
+Everything takes turns in one process; ratios are of one round, medians over samples and rounds.
+Noise of a shared machine only adds, so the least times say most. BLAS has one thread: with two, on
+a busy machine, SLSQP has taken up to eight times as long.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import os
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+from unittest import mock
+
+import numpy as np
+import pinocchio as pin
+from nonlinear_side import Ik4Problem, Quality, Sample, Slsqp
+from numpy.typing import NDArray
+from run import machine
+from spread import spread
+from tables import table
+
+from mgs.com_generator import ComTrajectory, generate_com
+from mgs.errors import MgsError
+from mgs.experiments.faraji.runs import FEW, ITERATED, MANY, STRETCHED, Key, gait_of
+from mgs.gait import BalanceGait, WalkGait, load_gait
+from mgs.ik_solver import SOLVERS
+from mgs.ik_solver.faraji import NEAR_STRETCHED, FarajiIk, FarajiRun
+from mgs.motion_planner import plan_motion
+from mgs.robot import FLOATING_BASE_NQ, Robot, load_robot
+from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
+
+Array = NDArray[np.float64]
+SQUAT, WALK = f"coman_legs/{STRETCHED}", "melson/walk_5cm"
+THREADS = "OPENBLAS_NUM_THREADS"
+OURS = f"mgs ik4, n = {FEW}"
+SPREAD_SAMPLES, STRETCHED_SAMPLES = 30, 10
+MISSED = 0.1  # [m] or [rad], error of a task that is worth a note
+MAX_ITERATIONS = 300  # of SLSQP to convergence
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A robot and its references."""
+
+    name: str
+    robot: Robot
+    tasks: TaskTrajectory
+    com: ComTrajectory
+    gait_with: Callable[[str, int], BalanceGait | WalkGait]  # solver and iterations
+
+    def run(self, method: str, n: int) -> FarajiRun:
+        """A run at its start."""
+        solver = FarajiIk.from_parameters(self.gait_with(method, n).ik)
+        run = FarajiRun(solver, self.robot, self.tasks, self.com)
+        run.start()
+        return run
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--rounds", type=int, default=4, metavar="N", help="default 4")
+    parser.add_argument("--blas-threads", type=int, default=1, metavar="N", help="default 1")
+    arguments = parser.parse_args()
+    threads = str(arguments.blas_threads)
+    if os.environ.get(THREADS) != threads:  # BLAS reads it when it is loaded, which it now is
+        os.execve(sys.executable, sys.orig_argv, os.environ | {THREADS: threads})
+    figures = measure(arguments.rounds)
+    figures["machine"] = {**machine(), "blas_threads": arguments.blas_threads}
+    print(json.dumps(figures, indent=2) if arguments.json else report(figures))
+
+
+def measure(rounds: int) -> dict[str, Any]:
+    """All figures."""
+    cases = [_squat(), _walk()]
+    solvers = [_SolverTimes(case) for case in cases]
+    same = _SameProblem(cases[0])
+    pink, missing = _imported("pink_side")
+    beside = [_Pink(case, pink) for case in cases] if pink else []
+    for _ in range(rounds):
+        for times in solvers:
+            times.add()
+        same.add()
+        for runs in beside:
+            runs.add()
+    for times, runs in zip(solvers, beside, strict=False):
+        runs.compare(times)
+    return {
+        "rounds": rounds,
+        "solvers": {times.case.name: times.figures() for times in solvers},
+        "same_problem": same.figures(),
+        "pink": {runs.case.name: runs.figures for runs in beside} or missing,
+    }
+
+
+def _squat() -> Case:
+    def gait_with(method: str, n: int) -> BalanceGait:
+        return gait_of(Key(STRETCHED, method, n))
+
+    robot, gait = load_robot("coman_legs"), gait_with("ik4", FEW)
+    tasks = plan_trajectories(plan_motion(robot, gait))
+    return Case(SQUAT, robot, tasks, generate_com(tasks, None), gait_with)
+
+
+def _walk() -> Case:
+    def gait_with(method: str, n: int) -> WalkGait:
+        settings = [f"ik.solver={method}", "ik.on_limit=record"]
+        if method in ITERATED:  # for clik it means something else
+            settings.append(f"ik.iterations={n}")
+        gait = load_gait(WALK, tuple(settings))
+        assert isinstance(gait, WalkGait)
+        return gait
+
+    robot, gait = load_robot("melson"), gait_with("ik4", FEW)
+    tasks = plan_trajectories(plan_motion(robot, gait))
+    return Case(WALK, robot, tasks, generate_com(tasks, gait.com), gait_with)
+
+
+class _SolverTimes:
+    """Times of every solver on one motion, to which every round adds."""
+
+    def __init__(self, case: Case) -> None:
+        self.case = case
+        self.notes: dict[str, str] = {}
+        self.iterations: dict[str, float] = {}  # mean of a sample
+        self.singles: dict[str, list[Array]] = {}
+        self.means: dict[str, list[float]] = {}
+        self._todo: dict[str, Callable[[], None]] = {}
+        for method in SOLVERS:
+            if method.startswith("ik"):
+                for n in (FEW, MANY) if method in ITERATED else (1,):
+                    label = f"{method}, n = {n}" if method in ITERATED else method
+                    self.iterations[label] = _mean_iterations(case.run(method, n))
+                    self.singles[label], self.means[label] = [], []
+                    self._todo[label] = partial(self._add_singles, label, method, n)
+            elif self._is_able(method):
+                self.means[method] = []
+                self._todo[method] = partial(self._add_whole, method)
+
+    def _is_able(self, method: str) -> bool:
+        """Whether a solver takes the motion; writes a note on what it says of it."""
+        case = self.case
+        solver = SOLVERS[method].from_parameters(case.gait_with(method, FEW).ik)
+        try:
+            found = solver.solve(case.robot, case.tasks, case.com).report
+        except MgsError as error:
+            self.notes[method] = f"refuses: {str(error).partition(';')[0]}"
+            return False
+        errors = found.get("worst_errors", {})
+        assert isinstance(errors, dict)
+        missed = [f"{name} by {error:.2g}" for name, error in errors.items() if error > MISSED]
+        if missed:
+            self.notes[method] = f"misses {', '.join(missed)} [m, rad]"
+        return True
+
+    def add(self) -> None:
+        for work in self._todo.values():
+            work()
+
+    def _add_singles(self, label: str, method: str, n: int) -> None:
+        run, n_samples = self.case.run(method, n), self.case.tasks.n_samples
+        stamps = np.empty(n_samples + 1, dtype=np.int64)
+        stamps[0] = time.perf_counter_ns()
+        for k in range(n_samples):
+            run.step(k)
+            stamps[k + 1] = time.perf_counter_ns()
+        seconds = np.diff(stamps) * 1e-9
+        self.singles[label].append(seconds)
+        self.means[label].append(float(seconds.mean()))
+
+    def _add_whole(self, method: str) -> None:
+        case = self.case
+        solver = SOLVERS[method].from_parameters(case.gait_with(method, FEW).ik)
+        start = time.perf_counter()
+        solver.solve(case.robot, case.tasks, case.com)
+        self.means[method].append((time.perf_counter() - start) / case.tasks.n_samples)
+
+    def figures(self) -> dict[str, Any]:
+        found: dict[str, Any] = {}
+        for label, means in self.means.items():
+            singles = self.singles.get(label)
+            found[label] = {
+                "single": spread(np.ravel(singles)).to_dict() if singles else None,
+                "run_mean": spread(means).to_dict(),
+                "iterations": self.iterations.get(label),
+            }
+        return {"freedom": self.case.robot.model.nv, "times": found, "notes": self.notes}
+
+
+def _mean_iterations(run: FarajiRun) -> float:
+    with mock.patch.object(run, "_iterate", wraps=run._iterate) as iterate:
+        for k in range(len(run.configurations)):
+            run.step(k)
+    return float(iterate.call_count / len(run.configurations))
+
+
+class _SameProblem:
+    """Single samples of ik4 solved by us and by others, in turn."""
+
+    def __init__(self, case: Case) -> None:
+        run = case.run("ik4", FEW)
+        self.samples = _samples(run)
+        self.problem = problem = Ik4Problem(run)
+        ours = {OURS: _Ours(run), f"mgs ik4, n = {MANY}": _Ours(case.run("ik4", MANY))}
+        self.counts = {
+            name: [one.count(sample) for sample in self.samples] for name, one in ours.items()
+        }
+        self.ways: dict[str, Callable[[Sample], tuple[Array, int]]] = {
+            **{name: one.solve for name, one in ours.items()},
+            f"SLSQP, {FEW} iterations": Slsqp(problem, FEW, 1e-6).solve,
+            "SLSQP, ftol 1e-6": Slsqp(problem, MAX_ITERATIONS, 1e-6).solve,
+            "SLSQP, ftol 1e-10": Slsqp(problem, MAX_ITERATIONS, 1e-10).solve,
+            "SLSQP, ftol 1e-10, our intervals": Slsqp(
+                problem, MAX_ITERATIONS, 1e-10, intervals=True
+            ).solve,
+            "SLSQP, ftol 1e-10, no Jacobians": Slsqp(
+                problem, MAX_ITERATIONS, 1e-10, exact=False
+            ).solve,
+        }
+        ipopt, self.missing = _imported("ipopt_side")
+        if ipopt:
+            self.ways["Ipopt"] = ipopt.Ipopt(problem).solve
+        self.seconds: dict[str, list[Array]] = {name: [] for name in self.ways}
+        self.iterations: dict[str, list[int]] = {}
+        self.quality: dict[str, list[Quality]] = {}
+
+    def add(self) -> None:
+        for name, solve in self.ways.items():
+            seconds, iterations, quality = np.empty(len(self.samples)), [], []
+            for i, sample in enumerate(self.samples):
+                start = time.perf_counter()
+                dq, n = solve(sample)
+                seconds[i] = time.perf_counter() - start
+                self.problem.set(sample)
+                iterations.append(n)
+                quality.append(self.problem.quality(dq))
+            self.seconds[name].append(seconds)
+            self.iterations[name] = self.counts.get(name, iterations)
+            self.quality[name] = quality
+
+    def figures(self) -> dict[str, Any]:
+        seconds = {name: np.array(times) for name, times in self.seconds.items()}
+        rows = {
+            name: np.array([q.to_list() for q in quality]) for name, quality in self.quality.items()
+        }
+        ways = {}
+        for name, times in seconds.items():
+            gap = rows[name][:, 0] - rows[OURS][:, 0]
+            ways[name] = {
+                "seconds": spread(times.ravel()).to_dict(),
+                "ratio": float(np.median(times / seconds[OURS])),
+                "ratio_of_best": float(np.median(times.min(axis=0) / seconds[OURS].min(axis=0))),
+                "iterations": [float(np.median(self.iterations[name])), max(self.iterations[name])],
+                "slack": float(np.median(rows[name][:, 0])),
+                "gap": [float(x) for x in (gap.min(), np.median(gap), gap.max())],
+                "hard_error": float(rows[name][:, 1].max()),
+                "region_excess": float(max(rows[name][:, 2].max(), 0.0)),
+            }
+        return {
+            "samples": len(self.samples),
+            "stretched": sum(sample.is_stretched for sample in self.samples),
+            "ways": ways,
+            "missing": self.missing,
+        }
+
+
+class _Ours:
+    """One step of a run from a given state."""
+
+    def __init__(self, run: FarajiRun) -> None:
+        self.run = run
+
+    def solve(self, sample: Sample) -> tuple[Array, int]:
+        run = self.run
+        run.q = sample.q_prev
+        run.step(sample.k)
+        return pin.difference(run.robot.model, sample.q_prev, run.q), run.iterations
+
+    def count(self, sample: Sample) -> int:
+        """Iterations that a sample takes, at most n."""
+        with mock.patch.object(self.run, "_iterate", wraps=self.run._iterate) as iterate:
+            self.solve(sample)
+        return int(iterate.call_count)
+
+
+def _samples(run: FarajiRun) -> list[Sample]:
+    """Follow a run, and choose samples spread over it and over those next to a stretched knee."""
+    found: list[Sample] = []
+    n = len(run.configurations)
+    for k in range(n):
+        q_prev = run.q.copy()
+        joints = q_prev[FLOATING_BASE_NQ:]
+        run.region.interval(joints, run.low, run.high)
+        run._leave_singularity()
+        guess = pin.difference(run.robot.model, q_prev, run.q)
+        near = np.abs(joints[run.stretched] - run.stretched_at) < NEAR_STRETCHED
+        found.append(Sample(k, q_prev, guess, bool(near.any())))
+        run.q = q_prev
+        run.step(k)
+    if run.elastic or run.recovering:
+        raise RuntimeError("in some samples region and hard rows contradict each other")
+    stretched = [sample.k for sample in found if sample.is_stretched]
+    chosen = {*np.linspace(1, n - 1, SPREAD_SAMPLES).astype(int).tolist()}
+    chosen |= {
+        stretched[i] for i in np.linspace(0, len(stretched) - 1, STRETCHED_SAMPLES).astype(int)
+    }
+    return [found[k] for k in sorted(chosen)]
+
+
+class _Pink:
+    """pink on one motion, to which every round adds."""
+
+    def __init__(self, case: Case, pink: Any) -> None:
+        self.case = case
+        run = case.run("ik4", FEW)
+        self.side = pink.PinkSide(case.robot, case.tasks, case.com, run.q, run.region.speed_max)
+        self.singles: list[Array] = []
+        self.figures: dict[str, Any] = {}
+
+    def add(self) -> None:
+        self.last = self.side.run()
+        self.singles.append(self.last.seconds)
+
+    def compare(self, times: _SolverTimes) -> None:
+        """Ratios to what our solvers took in the same rounds."""
+        means = np.mean(self.singles, axis=1)
+        ours = {f"ik4, n = {FEW}": times.means[f"ik4, n = {FEW}"]}
+        if "clik" in times.means:
+            ours["clik"] = times.means["clik"]
+        self.figures = {
+            "version": self.side.version,
+            "single": spread(np.ravel(self.singles)).to_dict(),
+            "run_mean": spread(means).to_dict(),
+            "ratio": {name: float(np.median(means / np.array(t))) for name, t in ours.items()},
+            "sole_error": self.last.sole_error,
+            "com_error": self.last.com_error,
+        }
+
+
+def _imported(name: str) -> tuple[Any, str]:
+    """A module of this folder, or why it cannot be imported."""
+    try:
+        return importlib.import_module(name), ""
+    except ModuleNotFoundError as error:
+        return None, f"{error.name} is not installed"
+
+
+def report(figures: dict[str, Any]) -> str:
+    """The tables."""
+    found = figures["machine"]
+    head = (
+        f"{found['cores']} cores, {found['architecture']}, Python {found['python']}, NumPy "
+        f"{found['numpy']}, SciPy {found['scipy']}, Pinocchio {found['pin']}; "
+        f"{figures['rounds']} rounds, BLAS threads: {found['blas_threads']}."
+    )
+    sections = [head, _solvers(figures["solvers"]), _same(figures["same_problem"])]
+    return "\n\n".join([*sections, _pink(figures["pink"], figures["solvers"])])
+
+
+def _us(seconds: float) -> str:
+    return f"{1e6 * seconds:.0f}"
+
+
+def _solvers(found: dict[str, Any]) -> str:
+    header, names = ["time per solve [us]"], list(found)
+    for name in names:
+        freedom = found[name]["freedom"]
+        header += [f"{name} ({freedom} DoF): least", "median", "p99", "iterations"]
+    labels: list[str] = []
+    for name in names:
+        labels += [label for label in found[name]["times"] if label not in labels]
+    rows, notes = [], []
+    for label in sorted(labels, key=lambda label: list(SOLVERS).index(label.partition(",")[0])):
+        row = [label]
+        for name in names:
+            times = found[name]["times"].get(label)
+            if times is None:
+                row += ["-"] * 4
+                continue
+            spread_of = times["single"] or times["run_mean"]
+            row += [_us(spread_of["least"]), _us(spread_of["median"])]
+            single = times["single"] is not None
+            row += [_us(spread_of["p99"]) if single else "-"]
+            row += [f"{times['iterations']:.1f}" if single else "-"]
+        rows.append(row)
+    for name in names:
+        notes += [f"{label} on {name} {note}." for label, note in found[name]["notes"].items()]
+    text = "ik1 to ik5: single solves; the others, without p99: whole solve / samples."
+    return f"{table(header, rows)}\n\n{' '.join([text, *notes])}"
+
+
+def _same(found: dict[str, Any]) -> str:
+    header = [
+        "ik4's own problem", "least [ms]", "median [ms]", "p99 [ms]", "this / ours",
+        "best of rounds", "iterations, most", "slack [mm]", "slack - ours [um]: least", "median",
+        "most", "hard rows [um, urad]", "region excess",
+    ]  # fmt: skip
+    rows = []
+    for name, way in found["ways"].items():
+        seconds, (iterations, most) = way["seconds"], way["iterations"]
+        rows.append(
+            [
+                name,
+                *(f"{1e3 * seconds[key]:.3f}" for key in ("least", "median", "p99")),
+                f"{way['ratio']:.1f}",
+                f"{way['ratio_of_best']:.1f}",
+                f"{iterations:g}, {most}",
+                f"{1e3 * way['slack']:.3f}",
+                *(f"{1e6 * gap:.2f}" for gap in way["gap"]),
+                f"{1e6 * way['hard_error']:.2g}",
+                f"{way['region_excess']:.1g}",
+            ]
+        )
+    text = (
+        f"{SQUAT}, {found['samples']} samples, {found['stretched']} of them next to a stretched "
+        "knee. Slack, iterations: medians; hard rows and region: the worst sample."
+    )
+    missing = f" Ipopt: {found['missing']}." if found["missing"] else ""
+    return f"{table(header, rows)}\n\n{text}{missing}"
+
+
+def _pink(found: dict[str, Any] | str, solvers: dict[str, Any]) -> str:
+    if isinstance(found, str):
+        return f"pink: {found}."
+    rows = []
+    for name, pink in found.items():
+        for label, ratio in pink["ratio"].items():
+            times = solvers[name]["times"][label]["run_mean"]
+            cells = [_us(times["least"]), _us(times["median"]), f"{ratio:.2f}"]
+            rows.append([f"{name}: mgs {label}", *cells])
+        times = pink["run_mean"]
+        label = f"{name}: pink {pink['version']}"
+        rows.append([label, _us(times["least"]), _us(times["median"]), "1.00"])
+    errors = ", ".join(
+        f"{name}: soles {1e6 * pink['sole_error']:.0f} um, CoM {1e3 * pink['com_error']:.2f} mm"
+        for name, pink in found.items()
+    )
+    header = ["mean step of a run [us]", "least", "median", "pink / this"]
+    return f"{table(header, rows)}\n\npink's largest errors after a step: {errors}."
+
+
+if __name__ == "__main__":
+    main()

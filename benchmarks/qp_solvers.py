@@ -1,0 +1,278 @@
+"""How fast QP solvers are on the problems that ik4 makes, each called from Python.
+
+python benchmarks/qp_solvers.py         as a Markdown table
+python benchmarks/qp_solvers.py --json  the same as one JSON object
+
+Every quadratic program of one run is recorded: ik4 with three iterations, on a squat of COMAN's
+legs that asks for more height than they have. Each is then solved afresh, nothing carried over, by
+DAQP as mgs does, and by those of quadprog, ProxQP and OSQP that are installed; eiquadprog's wheel
+is a C++ library without a Python module. A time is that of a problem brought into the solver's form
+and solved, the least of several.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import importlib.metadata
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+from unittest import mock
+
+import numpy as np
+from numpy.typing import NDArray
+from spread import spread
+from tables import table
+
+from mgs.gait import load_gait
+from mgs.ik_solver import faraji
+from mgs.ik_solver.qp import BoundedQp
+from mgs.pipeline import generate
+from mgs.robot import FLOATING_BASE_NV, load_robot
+
+Array = NDArray[np.float64]
+ROBOT, GAIT = "coman_legs", "coman_legs/squat_stretched"
+ASSIGNMENTS = ("ik.iterations=3", "ik.solver=ik4", "ik.on_limit=record", "balance.duration=5.0")
+MEET = 1e-6  # violation up to which a solution counts for the best cost
+OSQP_TOLERANCE, OSQP_ITERATIONS = 1e-7, 4000
+PROXQP_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True)
+class Problem:
+    """min 1/2 x^T H x + g^T x  s.t.  A x = b, low <= x_joints <= high."""
+
+    H: Array
+    g: Array
+    A: Array
+    b: Array
+    low: Array
+    high: Array
+
+    def violation(self, x: Array) -> float:
+        """Of equalities and bounds [m] or [rad]."""
+        joints = x[FLOATING_BASE_NV:]
+        rows = (np.abs(self.A @ x - self.b), self.low - joints, joints - self.high)
+        return float(max(row.max(initial=0.0) for row in rows))
+
+    def cost(self, x: Array) -> float:
+        """What is minimised."""
+        return float(0.5 * x @ self.H @ x + self.g @ x)
+
+
+Solve = Callable[[Problem], Array]
+
+
+class RecordingQp(BoundedQp):
+    """Keeps copies of the problems it is given."""
+
+    problems: list[Problem]
+
+    def solve(self, H: Array, g: Array, A: Array, b: Array) -> Array:
+        """As `BoundedQp.solve`; problems without a solution are left out."""
+        problem = Problem(H.copy(), g.copy(), A.copy(), b.copy(), self.low.copy(), self.high.copy())
+        x = super().solve(H, g, A, b)
+        if not self.elastic:
+            self.problems.append(problem)
+        return x
+
+
+def record() -> list[Problem]:
+    """All problems of one run, those of its start too."""
+    problems: list[Problem] = []
+    kind = type("Recording", (RecordingQp,), {"problems": problems})
+    with mock.patch.object(faraji, "BoundedQp", kind):
+        generate(load_robot(ROBOT), load_gait(GAIT, ASSIGNMENTS))
+    return problems
+
+
+# --- solvers ----------------------------------------------------------------------------------
+
+
+def _daqp(_: ModuleType, first: Problem) -> Solve:
+    qp = BoundedQp(len(first.g), len(first.b))
+
+    def solve(p: Problem) -> Array:
+        qp.low[:], qp.high[:] = p.low, p.high
+        x = qp.solve(p.H, p.g, p.A, p.b)
+        if qp.elastic:
+            raise ArithmeticError("not solved")
+        return x
+
+    return solve
+
+
+def _quadprog(module: ModuleType, first: Problem) -> Solve:
+    n, m = len(first.g), len(first.b)
+    joints = np.eye(n)[:, FLOATING_BASE_NV:]
+    C = np.empty((n, m + 2 * joints.shape[1]))
+    C[:, m:] = np.hstack([joints, -joints])
+
+    def solve(p: Problem) -> Array:
+        C[:, :m] = p.A.T
+        right = np.concatenate([p.b, p.low, -p.high])
+        return np.asarray(module.solve_qp(p.H, -p.g, C, right, m)[0])
+
+    return solve
+
+
+def _proxqp(module: ModuleType, first: Problem) -> Solve:
+    n, m = len(first.g), len(first.b)
+    low, high = np.full(n, -1e20), np.full(n, 1e20)
+    qp = module.proxqp.dense.QP(n, m, 0, True)
+    qp.settings.eps_abs = PROXQP_TOLERANCE
+    qp.settings.initial_guess = module.proxqp.NO_INITIAL_GUESS
+
+    def solve(p: Problem) -> Array:
+        low[FLOATING_BASE_NV:], high[FLOATING_BASE_NV:] = p.low, p.high
+        qp.init(p.H, p.g, p.A, p.b, None, None, None, low, high)
+        qp.solve()
+        return np.array(qp.results.x)
+
+    return solve
+
+
+def _osqp(module: ModuleType, first: Problem) -> Solve:
+    sparse = importlib.import_module("scipy.sparse")
+    joints = np.eye(len(first.g))[FLOATING_BASE_NV:]
+
+    def solve(p: Problem) -> Array:
+        qp = module.OSQP()
+        qp.setup(
+            P=sparse.csc_matrix(np.triu(p.H)),
+            q=p.g,
+            A=sparse.csc_matrix(np.vstack([p.A, joints])),
+            l=np.concatenate([p.b, p.low]),
+            u=np.concatenate([p.b, p.high]),
+            verbose=False,
+            polishing=True,
+            eps_abs=OSQP_TOLERANCE,
+            eps_rel=OSQP_TOLERANCE,
+            max_iter=OSQP_ITERATIONS,
+        )
+        return np.asarray(qp.solve(raise_error=False).x)
+
+    return solve
+
+
+SOLVERS: dict[str, Callable[[ModuleType, Problem], Solve]] = {
+    "daqp": _daqp,
+    "quadprog": _quadprog,
+    "proxsuite": _proxqp,
+    "osqp": _osqp,
+}
+
+
+# --- measurement ------------------------------------------------------------------------------
+
+
+def measure(name: str, problems: list[Problem], repeats: int) -> dict[str, Any] | None:
+    """Times [s] and solutions of one solver; None if it is not installed."""
+    try:
+        module = importlib.import_module(name)
+        version = importlib.metadata.version(name)
+    except ImportError:
+        return None
+    solve = SOLVERS[name](module, problems[0])
+    times = np.empty((repeats, len(problems)))
+    solutions: list[Array] = []
+    for i in range(repeats):
+        solutions = []
+        for k, problem in enumerate(problems):
+            start = time.perf_counter()
+            try:
+                x = solve(problem)
+            except (ArithmeticError, ValueError):  # a solver's word for "no solution"
+                x = np.full(len(problem.g), np.nan)
+            times[i, k] = time.perf_counter() - start
+            solutions.append(x)
+    return {"version": version, "times": times.min(axis=0), "solutions": solutions}
+
+
+def compare(problems: list[Problem], repeats: int) -> dict[str, dict[str, Any] | None]:
+    """Figures of every solver, of the least time of each problem."""
+    found = {name: measure(name, problems, repeats) for name in SOLVERS}
+    costs, violations = {}, {}
+    for name, result in found.items():
+        if result is not None:
+            pairs = list(zip(problems, result["solutions"], strict=True))
+            violations[name] = np.array([p.violation(x) for p, x in pairs])
+            costs[name] = np.array([p.cost(x) for p, x in pairs])
+    meeting = [np.where(violations[name] < MEET, costs[name], np.inf) for name in costs]
+    best = np.min(meeting, axis=0)
+    out: dict[str, dict[str, Any] | None] = {}
+    for name, result in found.items():
+        if result is None:
+            out[name] = None
+            continue
+        solved = np.isfinite(costs[name])
+        out[name] = {
+            "version": result["version"],
+            "seconds": spread(result["times"]).to_dict(),
+            "violation": float(violations[name][solved].max(initial=0.0)),
+            "gap": float((costs[name] - best)[solved].max(initial=0.0)),
+            "unsolved": int((~solved).sum()),
+        }
+    return out
+
+
+def report(figures: dict[str, Any]) -> str:
+    """A line on the problems, and a table."""
+    size = figures["size"]
+    head = (
+        f"{figures['problems']} problems of {size['unknowns']} unknowns, {size['equalities']} "
+        f"equalities and bounds on {size['bounded']}; a bound is reached in "
+        f"{figures['at_bounds']} of them."
+    )
+    header = ["solver", "median [us]", "least [us]", "p99 [us]", "violation", "cost gap"]
+    rows = []
+    for name, found in figures["solvers"].items():
+        if found is None:
+            rows.append([name, "not installed", "", "", "", "", ""])
+            continue
+        times = found["seconds"]
+        rows.append(
+            [
+                f"{name} {found['version']}",
+                *(f"{1e6 * times[key]:.1f}" for key in ("median", "least", "p99")),
+                f"{found['violation']:.0e}",
+                f"{found['gap']:.0e}",
+                str(found["unsolved"]),
+            ]
+        )
+    return f"{head}\n\n{table([*header, 'unsolved'], rows)}"
+
+
+def main() -> None:
+    """Record, measure and print."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--repeats", type=int, default=5, metavar="N", help="default 5")
+    arguments = parser.parse_args()
+    problems = record()
+    qp, at_bounds = _daqp(importlib.import_module("daqp"), problems[0]), 0
+    for problem in problems:
+        joints = qp(problem)[FLOATING_BASE_NV:]
+        room = np.minimum(joints - problem.low, problem.high - joints)
+        at_bounds += int(room.min() < 1e-9)
+    figures = {
+        "robot": ROBOT,
+        "gait": GAIT,
+        "problems": len(problems),
+        "at_bounds": at_bounds,
+        "size": {
+            "unknowns": len(problems[0].g),
+            "equalities": len(problems[0].b),
+            "bounded": len(problems[0].low),
+        },
+        "solvers": compare(problems, arguments.repeats),
+    }
+    print(json.dumps(figures, indent=2) if arguments.json else report(figures))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,100 @@
+"""Every IK solver on one gait: the table of docs/solvers.md.
+
+python benchmarks/solvers.py               static figures, about ten seconds
+python benchmarks/solvers.py --physics     also a replay in every engine present
+python benchmarks/solvers.py --json        the same as one JSON object
+
+All solvers are given the same references; what they are not asked for is theirs to choose.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from typing import Any
+
+import numpy as np
+from tables import table
+
+from mgs.checks import check_motion, tracking_errors
+from mgs.gait import load_gait
+from mgs.ik_solver import SOLVERS
+from mgs.motion import Motion
+from mgs.pipeline import generate
+from mgs.robot import FLOATING_BASE_NQ, load_robot
+from mgs.sim import available_engines, replay
+from mgs.verdict import replay_checks
+
+WALK = "melson/walk_5cm"
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("gait", nargs="?", default=WALK, help=f"default {WALK}")
+    parser.add_argument("--physics", action="store_true", help="replay in every engine present")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    arguments = parser.parse_args()
+    found = {name: measure(arguments.gait, name, arguments.physics) for name in SOLVERS}
+    if arguments.json:
+        print(json.dumps({"gait": arguments.gait, "solvers": found}, indent=2))
+    else:
+        print(report(found))
+
+
+def measure(gait_name: str, solver: str, physics: bool) -> dict[str, Any]:
+    """Figures of one solver; times are the least of three runs."""
+    gait = load_gait(gait_name, (f"ik.solver={solver}",))
+    assert gait.robot is not None
+    robot = load_robot(gait.robot)
+    runs = [generate(robot, gait, gait_name) for _ in range(3)]
+    motion = runs[0].motion
+    checks = check_motion(motion)
+    if physics:
+        checks += [
+            c for engine in available_engines() for c in replay_checks(replay(motion, engine))
+        ]
+    failed = [check.name for check in checks if not check.ok]
+    limit = next(check for check in checks if check.name == "joint_position")
+    return {
+        "tracking": tracking_errors(motion),
+        "peak_torque": float(np.abs(motion.torque).max()),
+        "rms_jerk": rms_jerk(motion),
+        "limit_margin": limit.value,
+        "seconds_per_sample": min(run.seconds["ik_solver"] for run in runs) / motion.n_samples,
+        "verdict": "pass" if not failed else f"fail: {', '.join(failed)}",
+    }
+
+
+def rms_jerk(motion: Motion) -> float:
+    """Root mean square over samples and joints of the third difference of the angles [rad/s^3]."""
+    jerk = np.diff(motion.q[:, FLOATING_BASE_NQ:], 3, axis=0) / motion.dt**3
+    return float(np.sqrt(np.mean(jerk**2)))
+
+
+def report(found: dict[str, dict[str, Any]]) -> str:
+    """The table."""
+    header = [
+        "solver", "soles [um]", "hands [um]", "CoM [um]", "peak torque [N m]",
+        "RMS jerk [rad/s^3]", "limit margin [deg]", "time a sample [us]", "verdict",
+    ]  # fmt: skip
+    rows = []
+    for name, figures in found.items():
+        tracking = figures["tracking"]
+        micrometres = [1e6 * tracking[key] for key in ("sole_position", "hand_position", "com")]
+        rows.append(
+            [
+                name,
+                *(f"{value:.2f}" for value in micrometres),
+                f"{figures['peak_torque']:.3f}",
+                f"{figures['rms_jerk']:.1f}",
+                f"{np.degrees(figures['limit_margin']):.1f}",
+                f"{1e6 * figures['seconds_per_sample']:.0f}",
+                figures["verdict"],
+            ]
+        )
+    return table(header, rows)
+
+
+if __name__ == "__main__":
+    main()
