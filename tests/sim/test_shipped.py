@@ -10,7 +10,6 @@ from mgs.checks import check_motion
 from mgs.sim import DEFAULTS, replay
 from mgs.verdict import replay_checks
 
-
 # Gaits that study the IK where the knees are weak, and what the verdict says of them.
 STUDIES = {
     "coman_legs/squat": ["joint_torque_rms"],
