@@ -57,33 +57,23 @@ def generate(
     tasks = _timed(seconds, "trajectory_planner", lambda: plan_trajectories(plan))
     parameters = gait.com if isinstance(gait, WalkGait) else None
     com = _timed(seconds, "com_generator", lambda: generate_com(tasks, parameters, robot))
-    passes = Passes(robot, gait, tasks, seconds, progress)
-    found = passes.run(com)
-    error: dict[str, object] | None = None
-    if parameters is not None:
+    passes = _Passes(robot, gait, tasks, seconds, progress)
+    body: WholeBodyMotion | None
+    if parameters is None:
+        (joints, body), error = passes.run(com), None
+    else:
         planned = planned_zmp(tasks, com, parameters)
-        found, error = _filter(passes, found, planned, parameters)
+        com, joints, body, error = _filter(passes, com, planned, parameters)
     motion = _timed(
         seconds,
         "dynamics",
-        lambda: assemble(
-            robot, gait, name, plan, tasks, found.com, found.joints, found.body, error
-        ),
+        lambda: assemble(robot, gait, name, plan, tasks, com, joints, body, error),
     )
-    return Stages(plan, tasks, found.com, found.joints, motion, seconds)
-
-
-@dataclass(frozen=True, eq=False)
-class Pass:
-    """A CoM motion, the joints that follow it, and what the whole robot does then."""
-
-    com: ComTrajectory
-    joints: JointTrajectory
-    body: WholeBodyMotion
+    return Stages(plan, tasks, com, joints, motion, seconds)
 
 
 @dataclass(eq=False)
-class Passes:
+class _Passes:
     """Inverse kinematics and dynamics of one CoM motion after the other.
 
     Its progress counts every pass that there may be.
@@ -96,16 +86,16 @@ class Passes:
     progress: Progress | None
     n_run: int = 0
 
-    def run(self, com: ComTrajectory) -> Pass:
-        """The next pass."""
+    def run(self, com: ComTrajectory) -> tuple[JointTrajectory, WholeBodyMotion]:
+        """Joints that follow a CoM motion, and what the whole robot does then."""
         joints = _timed(
             self.seconds,
             "ik_solver",
             lambda: solve_ik(self.robot, self.tasks, com, self.gait.ik, self._tell),
         )
-        body = _timed(self.seconds, "dynamics", lambda: _whole_body(self.robot, self.tasks, joints))
         self.n_run += 1
-        return Pass(com, joints, body)
+        body = _timed(self.seconds, "dynamics", lambda: _whole_body(self.robot, self.tasks, joints))
+        return joints, body
 
     def correct(self, com: ComTrajectory, error: Array, parameters: ComParameters) -> ComTrajectory:
         """The CoM motion for the next pass."""
@@ -123,43 +113,46 @@ class Passes:
 
 
 def _filter(
-    passes: Passes, first: Pass, planned: Array, parameters: ComParameters
-) -> tuple[Pass, dict[str, object]]:
+    passes: _Passes, com: ComTrajectory, planned: Array, parameters: ComParameters
+) -> tuple[ComTrajectory, JointTrajectory, WholeBodyMotion | None, dict[str, object]]:
     """The dynamic filter: correct the CoM by what the whole robot's ZMP is off from the plan.
 
     It ends when the mean error is within tolerance, when a pass brings no better motion or none at
-    all, and after com.passes. Returns the best pass and its errors beside those of the first.
+    all, and after com.passes. Returns the best pass, and its errors beside those of the first; the
+    body only if that was the last one, since two of them may not fit into memory.
     """
-    best, last, kept = first, first, 0
-    error = least = planned - first.body.zmp
+    last: WholeBodyMotion | None
+    joints, last = passes.run(com)
+    error = planned - last.zmp
+    kept, best = 0, (com, joints)
+    before = least = _mean_and_max(error)
     for i in range(1, parameters.passes + 1):
-        if _distance(least).mean() <= parameters.zmp_tolerance:
+        if least["mean"] <= parameters.zmp_tolerance:
             break
+        last = None
         try:
-            last = passes.run(passes.correct(last.com, error, parameters))
+            com = passes.correct(com, error, parameters)
+            joints, last = passes.run(com)
         except InfeasibleGaitError:
             break
-        error = planned - last.body.zmp
-        if not _distance(error).mean() < _distance(least).mean():
+        error = planned - last.zmp
+        now = _mean_and_max(error)
+        if not now["mean"] < least["mean"]:
+            last = None
             break
-        best, least, kept = last, error, i
-    before = planned - first.body.zmp
-    return best, {"before": _mean_and_max(before), "after": _mean_and_max(least), "passes": kept}
+        kept, best, least = i, (com, joints), now
+    return *best, last, {"before": before, "after": least, "passes": kept}
+
+
+def _mean_and_max(error: Array) -> dict[str, float]:
+    """Of the lengths of errors (N, 2)."""
+    distance = np.hypot(*error.T)
+    return {"mean": float(distance.mean()), "max": float(distance.max())}
 
 
 def _whole_body(robot: Robot, tasks: TaskTrajectory, joints: JointTrajectory) -> WholeBodyMotion:
     q = place_on_soles(robot, joints.angles, tasks.root, tasks.soles)
     return analyse(robot, q, tasks.dt, tasks.load_left)
-
-
-def _distance(error: Array) -> Array:
-    """Lengths (N,) of errors (N, 2)."""
-    return np.hypot(*error.T)
-
-
-def _mean_and_max(error: Array) -> dict[str, float]:
-    distance = _distance(error)
-    return {"mean": float(distance.mean()), "max": float(distance.max())}
 
 
 def assemble(

@@ -176,14 +176,15 @@ def _refusal(
         )
     excess = problem.G @ x[:-1] - problem.h
     row = int(np.argmax(excess > x[-1] - 10.0 * TOLERANCE))
-    k = int(problem.G[row].indices[0]) // 6  # six unknowns a sample
+    k = int(problem.G.tocsr()[row].indices.min()) // 6  # six unknowns a sample
     margin, widest = parameters.margin, parameters.margin - float(x[-1])
     if widest > 2e-4:
+        reach = f"at most {1e3 * widest:.1f} mm"
         remedy = f"use a com.margin of at most {np.floor(1e4 * widest - 1.0) / 1e4:.4f} m"
     else:
+        reach = f"it is {-1e3 * widest:.1f} mm outside"
         remedy = "move walk.zmp_offset inwards or use a longer walk.lead_in and lead_out"
     return InfeasibleGaitError(
         f"t = {k * tasks.dt:.3f} s: in {Support(tasks.support[k]).label} support no CoM motion "
-        f"keeps the ZMP {1e3 * margin:.1f} mm inside the support polygon, at most "
-        f"{1e3 * widest:.1f} mm; {remedy}"
+        f"keeps the ZMP {1e3 * margin:.1f} mm inside the support polygon, {reach}; {remedy}"
     )
