@@ -58,9 +58,9 @@ def generate(
     parameters = gait.com if isinstance(gait, WalkGait) else None
     com = _timed(seconds, "com_generator", lambda: generate_com(tasks, parameters, robot))
     passes = _Passes(robot, gait, tasks, seconds, progress)
-    body: WholeBodyMotion | None
+    error: dict[str, object] | None = None
     if parameters is None:
-        (joints, body), error = passes.run(com), None
+        joints, body = passes.run(com)
     else:
         planned = planned_zmp(tasks, com, parameters)
         com, joints, body, error = _filter(passes, com, planned, parameters)
@@ -109,39 +109,39 @@ class _Passes:
     def _tell(self, done: int, total: int) -> None:
         if self.progress is not None:
             most = 1 + (self.gait.com.passes if isinstance(self.gait, WalkGait) else 0)
-            self.progress(done + self.n_run * total, most * total)
+            self.progress(done + min(self.n_run, most - 1) * total, most * total)
 
 
 def _filter(
     passes: _Passes, com: ComTrajectory, planned: Array, parameters: ComParameters
-) -> tuple[ComTrajectory, JointTrajectory, WholeBodyMotion | None, dict[str, object]]:
+) -> tuple[ComTrajectory, JointTrajectory, WholeBodyMotion, dict[str, object]]:
     """The dynamic filter: correct the CoM by what the whole robot's ZMP is off from the plan.
 
     It ends when the mean error is within tolerance, when a pass brings no better motion or none at
-    all, and after com.passes. Returns the best pass, and its errors beside those of the first; the
-    body only if that was the last one, since two of them may not fit into memory.
+    all, and after com.passes. Returns the best pass, and its errors beside those of the first.
     """
-    last: WholeBodyMotion | None
-    joints, last = passes.run(com)
-    error = planned - last.zmp
-    kept, best = 0, (com, joints)
-    before = least = _mean_and_max(error)
-    for i in range(1, parameters.passes + 1):
-        if least["mean"] <= parameters.zmp_tolerance:
-            break
-        last = None
+    joints: JointTrajectory | None
+    body: WholeBodyMotion | None
+    joints, body = passes.run(com)
+    error = planned - body.zmp
+    before = after = _mean_and_max(error)
+    kept = 0
+    while kept < parameters.passes and after["mean"] > parameters.zmp_tolerance:
+        joints = body = None  # a long walk has no room for two of them
         try:
-            com = passes.correct(com, error, parameters)
-            joints, last = passes.run(com)
+            corrected = passes.correct(com, error, parameters)
+            joints, body = passes.run(corrected)
         except InfeasibleGaitError:
             break
-        error = planned - last.zmp
+        error = planned - body.zmp
         now = _mean_and_max(error)
-        if not now["mean"] < least["mean"]:
-            last = None
+        if not now["mean"] < after["mean"]:
+            joints = None
             break
-        kept, best, least = i, (com, joints), now
-    return *best, last, {"before": before, "after": least, "passes": kept}
+        com, after, kept = corrected, now, kept + 1
+    if joints is None or body is None:
+        joints, body = passes.run(com)  # the best was the one before
+    return com, joints, body, {"before": before, "after": after, "passes": kept}
 
 
 def _mean_and_max(error: Array) -> dict[str, float]:

@@ -14,7 +14,7 @@ In single support the polygon is the sole, in double support the hull of both, w
 couple the axes. Unknowns are (c, v, a) of every sample, so that all matrices are block banded.
 
 Solved by PIQP, a sparse interior-point method (Schwan, Jiang, Kuhn, Jones, CDC 2023), chosen by
-measurement on these problems (benchmarks/com_generators.py).
+measurement on these problems (docs/benchmarks.md).
 """
 
 from __future__ import annotations
