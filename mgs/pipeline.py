@@ -55,15 +55,13 @@ def generate(
     seconds: dict[str, float] = {}
     plan = _timed(seconds, "motion_planner", lambda: plan_motion(robot, gait))
     tasks = _timed(seconds, "trajectory_planner", lambda: plan_trajectories(plan))
-    parameters = gait.com if isinstance(gait, WalkGait) else None
-    com = _timed(seconds, "com_generator", lambda: generate_com(tasks, parameters, robot))
     passes = _Passes(robot, gait, tasks, seconds, progress)
     error: dict[str, object] | None = None
-    if parameters is None:
-        joints, body = passes.run(com)
+    if isinstance(gait, WalkGait):
+        com, joints, body, error = _filter(passes, gait.com)
     else:
-        planned = planned_zmp(tasks, com, parameters)
-        com, joints, body, error = _filter(passes, com, planned, parameters)
+        com = passes.first_com()
+        joints, body = passes.run(com)
     motion = _timed(
         seconds,
         "dynamics",
@@ -85,6 +83,13 @@ class _Passes:
     seconds: dict[str, float]
     progress: Progress | None
     n_run: int = 0
+
+    def first_com(self) -> ComTrajectory:
+        """Stage 3."""
+        parameters = self.gait.com if isinstance(self.gait, WalkGait) else None
+        return _timed(
+            self.seconds, "com_generator", lambda: generate_com(self.tasks, parameters, self.robot)
+        )
 
     def run(self, com: ComTrajectory) -> tuple[JointTrajectory, WholeBodyMotion]:
         """Joints that follow a CoM motion, and what the whole robot does then."""
@@ -113,7 +118,7 @@ class _Passes:
 
 
 def _filter(
-    passes: _Passes, com: ComTrajectory, planned: Array, parameters: ComParameters
+    passes: _Passes, parameters: ComParameters
 ) -> tuple[ComTrajectory, JointTrajectory, WholeBodyMotion, dict[str, object]]:
     """The dynamic filter: correct the CoM by what the whole robot's ZMP is off from the plan.
 
@@ -122,6 +127,8 @@ def _filter(
     """
     joints: JointTrajectory | None
     body: WholeBodyMotion | None
+    com = passes.first_com()
+    planned = planned_zmp(passes.tasks, com, parameters)
     joints, body = passes.run(com)
     error = planned - body.zmp
     before = after = _mean_and_max(error)
