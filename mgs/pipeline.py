@@ -8,16 +8,19 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from mgs.com_generator import ComTrajectory, generate_com
-from mgs.dynamics import analyse, place_on_soles
-from mgs.gait import Gait, WalkGait
+from mgs.com_generator import ComTrajectory, correct_com, generate_com, planned_zmp
+from mgs.dynamics import WholeBodyMotion, analyse, place_on_soles
+from mgs.errors import InfeasibleGaitError
+from mgs.gait import ComParameters, Gait, WalkGait
 from mgs.ik_solver import JointTrajectory, solve_ik
 from mgs.motion import Motion
 from mgs.motion_planner import MotionPlan, plan_motion
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 
+Array = NDArray[np.float64]
 T = TypeVar("T")
 Progress = Callable[[int, int], None]
 
@@ -52,13 +55,111 @@ def generate(
     seconds: dict[str, float] = {}
     plan = _timed(seconds, "motion_planner", lambda: plan_motion(robot, gait))
     tasks = _timed(seconds, "trajectory_planner", lambda: plan_trajectories(plan))
-    preview = gait.com if isinstance(gait, WalkGait) else None
-    com = _timed(seconds, "com_generator", lambda: generate_com(tasks, preview))
-    joints = _timed(seconds, "ik_solver", lambda: solve_ik(robot, tasks, com, gait.ik, progress))
+    passes = _Passes(robot, gait, tasks, seconds, progress)
+    error: dict[str, object] | None = None
+    if isinstance(gait, WalkGait):
+        com, joints, body, error = _filter(passes, gait.com)
+    else:
+        com = passes.first_com()
+        joints, body = passes.run(com)
     motion = _timed(
-        seconds, "dynamics", lambda: assemble(robot, gait, name, plan, tasks, com, joints)
+        seconds,
+        "dynamics",
+        lambda: assemble(robot, gait, name, plan, tasks, com, joints, body, error),
     )
     return Stages(plan, tasks, com, joints, motion, seconds)
+
+
+@dataclass(eq=False)
+class _Passes:
+    """Inverse kinematics and dynamics of one CoM motion after the other.
+
+    Its progress counts every pass that there may be.
+    """
+
+    robot: Robot
+    gait: Gait
+    tasks: TaskTrajectory
+    seconds: dict[str, float]
+    progress: Progress | None
+    n_run: int = 0
+
+    def first_com(self) -> ComTrajectory:
+        """Stage 3."""
+        parameters = self.gait.com if isinstance(self.gait, WalkGait) else None
+        return _timed(
+            self.seconds, "com_generator", lambda: generate_com(self.tasks, parameters, self.robot)
+        )
+
+    def run(self, com: ComTrajectory) -> tuple[JointTrajectory, WholeBodyMotion]:
+        """Joints that follow a CoM motion, and what the whole robot does then."""
+        joints = _timed(
+            self.seconds,
+            "ik_solver",
+            lambda: solve_ik(self.robot, self.tasks, com, self.gait.ik, self._tell),
+        )
+        self.n_run += 1
+        body = _timed(self.seconds, "dynamics", lambda: _whole_body(self.robot, self.tasks, joints))
+        return joints, body
+
+    def correct(self, com: ComTrajectory, error: Array, parameters: ComParameters) -> ComTrajectory:
+        """The CoM motion for the next pass."""
+        zmp_ref, dt = self.tasks.zmp_ref, self.tasks.dt
+        return _timed(
+            self.seconds,
+            "com_generator",
+            lambda: correct_com(com, zmp_ref, error, dt, parameters),
+        )
+
+    def _tell(self, done: int, total: int) -> None:
+        if self.progress is not None:
+            most = 1 + (self.gait.com.passes if isinstance(self.gait, WalkGait) else 0)
+            self.progress(done + min(self.n_run, most - 1) * total, most * total)
+
+
+def _filter(
+    passes: _Passes, parameters: ComParameters
+) -> tuple[ComTrajectory, JointTrajectory, WholeBodyMotion, dict[str, object]]:
+    """The dynamic filter: correct the CoM by what the whole robot's ZMP is off from the plan.
+
+    It ends when the mean error is within tolerance, when a pass brings no better motion or none at
+    all, and after com.passes. Returns the best pass, and its errors beside those of the first.
+    """
+    joints: JointTrajectory | None
+    body: WholeBodyMotion | None
+    com = passes.first_com()
+    planned = planned_zmp(passes.tasks, com, parameters)
+    joints, body = passes.run(com)
+    error = planned - body.zmp
+    before = after = _mean_and_max(error)
+    kept = 0
+    while kept < parameters.passes and after["mean"] > parameters.zmp_tolerance:
+        joints = body = None  # a long walk has no room for two of them
+        try:
+            corrected = passes.correct(com, error, parameters)
+            joints, body = passes.run(corrected)
+        except InfeasibleGaitError:
+            break
+        error = planned - body.zmp
+        now = _mean_and_max(error)
+        if not now["mean"] < after["mean"]:
+            joints = None
+            break
+        com, after, kept = corrected, now, kept + 1
+    if joints is None or body is None:
+        joints, body = passes.run(com)  # the best was the one before
+    return com, joints, body, {"before": before, "after": after, "passes": kept}
+
+
+def _mean_and_max(error: Array) -> dict[str, float]:
+    """Of the lengths of errors (N, 2)."""
+    distance = np.hypot(*error.T)
+    return {"mean": float(distance.mean()), "max": float(distance.max())}
+
+
+def _whole_body(robot: Robot, tasks: TaskTrajectory, joints: JointTrajectory) -> WholeBodyMotion:
+    q = place_on_soles(robot, joints.angles, tasks.root, tasks.soles)
+    return analyse(robot, q, tasks.dt, tasks.load_left)
 
 
 def assemble(
@@ -69,10 +170,14 @@ def assemble(
     tasks: TaskTrajectory,
     com: ComTrajectory,
     joints: JointTrajectory,
+    body: WholeBodyMotion | None = None,
+    zmp_error: dict[str, object] | None = None,
 ) -> Motion:
-    """Motion of the four products: what was asked beside what the joints do."""
-    q = place_on_soles(robot, joints.angles, tasks.root, tasks.soles)
-    body = analyse(robot, q, tasks.dt, tasks.load_left)
+    """Motion of the four products: what was asked beside what the joints do.
+
+    `body` is what the whole robot does, computed where it is not known yet.
+    """
+    body = _whole_body(robot, tasks, joints) if body is None else body
     hands = tasks.hands + com.position[:, None]
     return Motion(
         robot=robot,
@@ -94,12 +199,17 @@ def assemble(
         hands_ref=np.where(np.isfinite(hands), hands, body.hands[..., :3]),
         torso=body.torso,
         torso_ref=tasks.torso if tasks.torso_asked else body.torso[:, 3:],
-        solver={**joints.report, **gait.ik.model_dump()},
+        solver={
+            **joints.report,
+            **gait.ik.model_dump(),
+            **({} if zmp_error is None else {"zmp_error": zmp_error}),
+        },
     )
 
 
 def _timed(seconds: dict[str, float], stage: str, work: Callable[[], T]) -> T:
+    """Add the time of `work` to its stage, which may be worked on more than once."""
     start = time.perf_counter()
     product = work()
-    seconds[stage] = time.perf_counter() - start
+    seconds[stage] = seconds.get(stage, 0.0) + time.perf_counter() - start
     return product

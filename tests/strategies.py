@@ -103,6 +103,9 @@ def legal_gaits(draw: st.DrawFn, max_steps: int = 300, longest: float = 20.0) ->
     return walk_gait(
         dt=draw(numbers(0.01, 0.1)),
         com={
+            "generator": draw(st.sampled_from(["preview", "qp"])),
+            "margin": draw(st.just(0.0) | numbers(0.0, 0.1)),
+            "passes": draw(st.integers(0, 5)),
             "preview": preview,
             "weight_error": draw(numbers(1e-9, 1e12)),
             "weight_jerk": draw(numbers(1e-12, 1e6)),

@@ -106,7 +106,15 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
             "com_height": None,
             "zmp_offset": [0.0, 0.0],
         },
-        "com": {"preview": 1.6, "weight_error": 1.0, "weight_jerk": 1e-6},
+        "com": {
+            "generator": "preview",
+            "preview": 1.6,
+            "weight_error": 1.0,
+            "weight_jerk": 1e-6,
+            "margin": 0.0,
+            "passes": 3,
+            "zmp_tolerance": 2e-4,
+        },
         "ik": {
             "solver": "clik",
             "gamma_joint": 0.35,

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
+import pinocchio as pin
 import pytest
 from hypothesis import HealthCheck, given, settings
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
+import mgs.pipeline
+from mgs.checks import zmp_margins
+from mgs.com_generator import ComTrajectory, correct_com, generate_com
 from mgs.contact import Side
 from mgs.errors import ConfigError, FootstepError, InfeasibleGaitError, MgsError
 from mgs.gait import Gait, load_gait
+from mgs.ik_solver.solve import SOLVERS
 from mgs.motion import Motion
 from mgs.pipeline import Stages, generate
 from mgs.robot import Robot, load_robot
-from tests.strategies import legal_gaits, walk_gait, walks
+from tests.strategies import balance_gait, legal_gaits, sine, walk_gait, walks
 
 MELSON = load_robot("melson")
 SHORT = {"n_steps": 2, "step_length": 0.05, "first_support": "left", "double_support": 0.5}
@@ -165,3 +172,110 @@ def test_a_legal_gait_is_generated_or_refused_with_a_reason(gait: Gait):
         assert str(error)
     else:
         assert_sound(motion)
+
+
+# --- the dynamic filter -----------------------------------------------------------------------
+
+
+def filtered(name: str, *settings: str) -> Stages:
+    gait = load_gait(name, settings)
+    return generate(load_robot(gait.robot), gait, name)
+
+
+def mean_zmp_error(motion: Motion) -> float:
+    """Of the whole robot, from Pinocchio's RNEA and differences of our own."""
+    model = motion.robot.model
+    data, dt = model.createData(), motion.dt
+    ahead = [pin.difference(model, a, b) / dt for a, b in itertools.pairwise(motion.q)]
+    still = [np.zeros(model.nv)]
+    speeds = np.array([*still, *ahead, *still])
+    zmp = np.empty((motion.n_samples, 2))
+    for k, q in enumerate(motion.q):
+        v, a = 0.5 * (speeds[k] + speeds[k + 1]), (speeds[k + 1] - speeds[k]) / dt
+        force = pin.Force(pin.rnea(model, data, q, v, a)[:6])
+        wrench = pin.XYZQUATToSE3(q[:7]).act(force)
+        zmp[k] = np.array([-wrench.angular[1], wrench.angular[0]]) / wrench.linear[2]
+    return float(np.mean(np.linalg.norm(zmp - motion.zmp_ref, axis=1)))
+
+
+@pytest.mark.parametrize("name", ["melson/walk_practical", "coman/walk"])
+def test_three_passes_leave_less_than_a_fifteenth_of_the_zmp_error(name: str):
+    before, after = (filtered(name, f"com.passes={n}").motion for n in (0, 3))
+    assert mean_zmp_error(before) > 15.0 * mean_zmp_error(after)
+    margins = [zmp_margins(motion, motion.zmp).min() for motion in (before, after)]
+    assert margins[1] > margins[0] + 5e-3  # [m]
+    assert_allclose(
+        [before.solver["zmp_error"]["before"]["mean"], after.solver["zmp_error"]["after"]["mean"]],
+        [mean_zmp_error(before), mean_zmp_error(after)],
+        rtol=1e-6,
+    )
+
+
+def test_by_default_no_shipped_walk_is_off_plan_by_more_than_the_tolerance(shipped_walk):
+    motion = shipped_walk.stages.motion
+    error = np.linalg.norm(motion.zmp - motion.zmp_ref, axis=1)
+    report = motion.solver["zmp_error"]
+    assert report["after"] == pytest.approx({"mean": error.mean(), "max": error.max()}, rel=1e-9)
+    assert error.mean() < 1.1 * shipped_walk.gait.com.zmp_tolerance
+    assert error.max() < 1.1e-3  # [m]
+    assert error.mean() < report["before"]["mean"] / 10.0
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_the_filter_works_with_every_ik_solver(solver: str):
+    short = ("walk.n_steps=2", "com.passes=2", "com.zmp_tolerance=1e-6", f"ik.solver={solver}")
+    error = filtered("melson/walk_practical", *short).motion.solver["zmp_error"]
+    assert error["passes"] == 2
+    assert error["after"]["mean"] < error["before"]["mean"] / 10.0
+
+
+def test_without_passes_the_com_is_stage_3s_own(melson: Robot):
+    stages = filtered("melson/walk_5cm", "com.passes=0")
+    com = generate_com(stages.tasks, load_gait("melson/walk_5cm").com)
+    assert_array_equal(stages.com.position, com.position)
+    error = stages.motion.solver["zmp_error"]
+    assert error["passes"] == 0 and error["before"] == error["after"]
+
+
+def test_passes_end_at_the_tolerance():
+    loose = filtered("melson/walk_5cm", "com.zmp_tolerance=0.001").motion.solver["zmp_error"]
+    assert loose["passes"] == 0 and loose["after"]["mean"] < 1e-3
+    fine = filtered("melson/walk_5cm", "com.zmp_tolerance=2e-5").motion.solver["zmp_error"]
+    assert 1 < fine["passes"] <= 3
+
+
+@pytest.mark.parametrize("failure", ["worse", "infeasible"])
+@pytest.mark.parametrize("good_passes", [0, 1])
+def test_a_pass_that_fails_leaves_the_best_one(monkeypatch, failure: str, good_passes: int):
+    done = []
+
+    def correct(com: ComTrajectory, zmp_ref, error, dt, parameters) -> ComTrajectory:
+        done.append(error)
+        if len(done) <= good_passes:
+            return correct_com(com, zmp_ref, error, dt, parameters)
+        if failure == "infeasible":
+            raise InfeasibleGaitError("no")
+        return correct_com(com, zmp_ref, -error, dt, parameters)
+
+    expected = filtered("melson/walk_practical", f"com.passes={good_passes}").motion
+    monkeypatch.setattr(mgs.pipeline, "correct_com", correct)
+    found = filtered("melson/walk_practical").motion
+    assert len(done) == good_passes + 1
+    assert found.solver == expected.solver
+    assert_array_equal(found.q, expected.q)
+    assert_array_equal(found.com_ref, expected.com_ref)
+
+
+def test_a_balance_motion_has_no_planned_zmp_to_be_off(melson: Robot):
+    motion = generate(melson, balance_gait(sine("com_y", 0.02))).motion
+    assert "zmp_error" not in motion.solver
+
+
+def test_progress_counts_every_pass_and_never_goes_back(melson: Robot):
+    calls: list[tuple[int, int]] = []
+    gait = load_gait("melson/walk_practical")
+    n = generate(melson, gait, progress=lambda *call: calls.append(call)).motion.n_samples
+    done = [call[0] for call in calls]
+    assert done == sorted(done)
+    assert {total for _, total in calls} == {(1 + gait.com.passes) * n}
+    assert n < done[-1] <= (1 + gait.com.passes) * n

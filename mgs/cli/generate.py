@@ -101,6 +101,7 @@ def _summary(path: Path, motion: Motion, seconds: dict[str, float]) -> dict[str,
         "dt": motion.dt,
         "duration": motion.duration,
         "tracking": tracking_errors(motion),
+        "zmp_error": motion.solver.get("zmp_error"),
         "seconds": seconds,
     }
 
@@ -121,7 +122,21 @@ def _print_summary(summary: dict[str, object], motion: Motion) -> None:
         f"CoM {1e3 * tracking['com']:.4f} mm (worst sample)\n"
         f"  margins   {limit.where} {limit.value:.3f} rad to its limit, "
         f"multibody ZMP {1e3 * margin:.1f} mm inside the support polygon\n"
+        f"{_zmp_line(summary['zmp_error'])}"
         f"  time      {stages} ms"
+    )
+
+
+def _zmp_line(error: object) -> str:
+    """What the dynamic filter found and left; nothing where no ZMP was planned."""
+    if not isinstance(error, dict):
+        return ""
+    before, after = (error[key] for key in ("before", "after"))
+    passes = "1 pass" if error["passes"] == 1 else f"{error['passes']} passes"
+    return (
+        f"  ZMP       multibody {1e3 * before['mean']:.2f} mm off plan (worst "
+        f"{1e3 * before['max']:.2f}), after {passes} of the dynamic filter "
+        f"{1e3 * after['mean']:.2f} mm (worst {1e3 * after['max']:.2f})\n"
     )
 
 

@@ -105,6 +105,15 @@ def follow_zmp(
         ConfigError: see `preview_gains`.
         InfeasibleGaitError: the CoM is not at rest when the motion ends.
     """
+    com = respond(zmp_ref, com_height, dt, parameters)
+    require_rest(com, zmp_ref[-1])
+    return com
+
+
+def respond(
+    zmp_ref: Array, com_height: Array, dt: float, parameters: ComParameters
+) -> ComTrajectory:
+    """As `follow_zmp`, at rest in the end or not."""
     gains = preview_gains(
         dt,
         float(com_height[0]),
@@ -115,7 +124,6 @@ def follow_zmp(
     # seen from its start: a finite window takes what lies beyond it for the origin
     states = _closed_loop(gains, zmp_ref - zmp_ref[0])  # (N, 3, 2)
     states[:, 0] += zmp_ref[0]
-    _require_rest(states[-1], zmp_ref[-1])
     flat = np.zeros(len(zmp_ref))
     return ComTrajectory(
         position=np.column_stack([states[:, 0], com_height]),
@@ -159,9 +167,10 @@ def _preview_sums(G_p: Array, zmp_ref: Array) -> Array:
     return np.column_stack([np.correlate(column, G_p, mode="valid") for column in extended.T])
 
 
-def _require_rest(state: Array, zmp_end: Array) -> None:
-    speed = float(np.hypot(*state[1]))
-    distance = float(np.hypot(*(state[0] - zmp_end)))
+def require_rest(com: ComTrajectory, zmp_end: Array) -> None:
+    """Raise InfeasibleGaitError unless the CoM ends at rest above zmp_end (2,)."""
+    speed = float(np.hypot(*com.velocity[-1, :2]))
+    distance = float(np.hypot(*(com.position[-1, :2] - zmp_end)))
     if speed > REST_SPEED or distance > REST_DISTANCE:
         raise InfeasibleGaitError(
             f"the CoM still moves at {1e3 * speed:.1f} mm/s, {1e3 * distance:.1f} mm from its goal "

@@ -60,12 +60,32 @@ class WalkParameters(Model):
 
 
 class ComParameters(Model):
-    """Preview control of the ZMP (stage 3)."""
+    """The CoM motion that the ZMP asks for (stage 3), and its correction for the whole robot."""
 
+    generator: Literal["preview", "qp"] = Field(
+        "preview",
+        description="preview: control that follows the ZMP reference; qp: the least jerk whose ZMP "
+        "keeps com.margin from the edge of the support polygon.",
+    )
     preview: float = Field(1.6, ge=0.1, le=10.0, description="Preview window [s].")
     weight_error: float = Field(
         1.0, gt=0.0, le=1e12, description="Q_e, weight of the ZMP error [1/m^2]."
     )
     weight_jerk: float = Field(
         1e-6, gt=0.0, le=1e6, description="R, weight of the jerk; not invariant to dt [s^6/m^2]."
+    )
+    margin: float = Field(
+        0.0,
+        ge=0.0,
+        le=1.0,
+        description="qp: distance of the ZMP from the edge of the support polygon, at least [m].",
+    )
+    passes: int = Field(
+        3,
+        ge=0,
+        le=50,
+        description="Most corrections of the CoM by the whole robot's ZMP error; 0: none.",
+    )
+    zmp_tolerance: float = Field(
+        2e-4, gt=0.0, le=1.0, description="Mean ZMP error that needs no further correction [m]."
     )

@@ -55,6 +55,9 @@ def test_json_is_one_object_of_the_agreed_shape(here: Path):
         "com",
     }
     assert all(0.0 <= value < 1e-3 for value in tracking.values())
+    error = summary["zmp_error"]
+    assert set(error) == {"before", "after", "passes"} and error["passes"] in range(4)
+    assert 0.0 < error["after"]["mean"] < error["before"]["mean"] < error["before"]["max"] < 0.02
     assert set(seconds) >= set(STAGES)
     assert seconds["total"] >= sum(t for stage, t in seconds.items() if stage != "total")
 
@@ -64,6 +67,7 @@ def test_the_summary_says_where_how_long_and_how_well(here: Path):
     assert (result.exit_code, result.stderr) == (0, "")
     for text in ("walk.mcap", "melson", "3.50 s, 351 samples", "tracking", "to its limit", "ms"):
         assert text in result.stdout
+    assert "passes of the dynamic filter" in result.stdout
 
 
 def test_a_process_prints_json_and_nothing_else(tmp_path: Path):
@@ -257,6 +261,7 @@ def test_a_balance_motion_is_generated_and_passes_every_static_check(here: Path)
     assert (made.exit_code, made.stderr) == (0, "")
     summary = json.loads(made.stdout)
     assert (summary["samples"], summary["gait"]) == (401, "sway")
+    assert summary["zmp_error"] is None
     judged = run("validate", "sway.mcap", "--physics", "none", "--json")
     assert (judged.exit_code, json.loads(judged.stdout)["verdict"]) == (0, "pass")
     assert all(check["ok"] for check in json.loads(judged.stdout)["checks"])
@@ -369,6 +374,10 @@ RANGES: dict[str, tuple[st.SearchStrategy[object], st.SearchStrategy[object]]] =
     "walk.com_height": (st.none(), numbers(1e-3, 3.0)),
     "walk.zmp_offset": (st.just([0.0, 0.0]), st.lists(numbers(-1, 1), min_size=2, max_size=2)),
     "com.preview": (st.just(0.8), numbers(0.1, 0.8)),
+    "com.generator": (st.just("preview"), st.just("qp")),
+    "com.margin": (st.just(0.0), numbers(0.0, 1.0)),
+    "com.passes": (st.integers(0, 3), st.integers(0, 50)),
+    "com.zmp_tolerance": (st.just(2e-4), positive(1.0)),
     "com.weight_error": (st.just(1.0), positive(1e12)),
     "com.weight_jerk": (st.sampled_from([1e-8, 1e-6]), positive(1e6)),
     "ik.gamma_joint": (numbers(0.0, 1.0), numbers(0.0, 1e3)),
