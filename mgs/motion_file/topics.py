@@ -113,6 +113,14 @@ def _joint_states(robot: Robot) -> SampleTopic:
     return SampleTopic("/joint_states", kind, message_layout(kind, value), parts)
 
 
+def joint_commands(robot: Robot) -> SampleTopic:
+    """What servos are told: an array `commands` that is no part of a Motion but follows from it."""
+    kind, n = "sensor_msgs/JointState", robot.n
+    value = {"header": _header(""), "name": robot.joint_names, "position": Slot("position", n)}
+    parts = {"position": ("commands", np.s_[:])}
+    return SampleTopic("/joint_commands", kind, message_layout(kind, value), parts)
+
+
 def _base_twist(tree: LinkTree) -> SampleTopic:
     """Velocity of the root link in its own frame; no standard topic has it."""
     kind = "geometry_msgs/TwistStamped"
