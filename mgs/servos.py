@@ -108,15 +108,15 @@ def _without_stiffness(robot: Robot) -> list[str]:
     return sorted(name for name in used if robot.spec.servos[name].spring is None)
 
 
-def servo_commands(motion: Motion) -> Commands:
-    """Feed-forward commands, inside the joint limits.
+def servo_commands(motion: Motion, samples: slice = slice(None)) -> Commands:
+    """Feed-forward commands at some or all samples of a motion, inside the joint limits.
 
     Raises:
         ConfigError: a servo in use has no stiffness.
     """
     robot, servos = motion.robot, servos_of(motion.robot)
-    v = motion.v[:, FLOATING_BASE_NV:]
-    lead = (motion.torque + servos.friction(v) + servos.damping * v) / servos.stiffness
-    wanted = motion.q[:, FLOATING_BASE_NQ:] + lead
+    v = motion.v[samples, FLOATING_BASE_NV:]
+    lead = (motion.torque[samples] + servos.friction(v) + servos.damping * v) / servos.stiffness
+    wanted = motion.q[samples, FLOATING_BASE_NQ:] + lead
     position = np.clip(wanted, robot.lower, robot.upper)
     return Commands(position, np.abs(wanted - position).max(axis=0))

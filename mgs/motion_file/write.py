@@ -7,7 +7,7 @@ import json
 import secrets
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ from mgs.motion_file.mcap_writer import (
 )
 from mgs.motion_file.once import ONCE_TOPICS, small_messages, trajectory_message
 from mgs.motion_file.topics import (
+    COMMANDS_TOPIC,
     START_NS,
     SUPPORT_TOPIC,
     TF_TOPIC,
@@ -97,10 +98,9 @@ def _replacing(path: Path) -> Iterator[BinaryIO]:
 
 def _write(motion: Motion, stream: BinaryIO, progress: Progress) -> None:
     tree = link_tree(motion.robot)
-    topics, arrays = sample_topics(motion.robot, tree), dict(vars(motion))
+    topics = sample_topics(motion.robot, tree)
     if is_modelled(motion.robot):
         topics.append(joint_commands(motion.robot))
-        arrays["commands"] = servo_commands(motion).position
     writer = ChunkWriter(stream, f"mgs {mgs.__version__}")
     once = {name: writer.add_channel(name, kind, once=True) for name, kind in ONCE_TOPICS.items()}
     channels = {t.name: writer.add_channel(t.name, t.kind, once=False) for t in topics}
@@ -112,7 +112,7 @@ def _write(motion: Motion, stream: BinaryIO, progress: Progress) -> None:
     times = stamps_ns(motion.n_samples, motion.dt)
     for start in range(0, motion.n_samples, SAMPLES_PER_CHUNK):
         samples = slice(start, min(start + SAMPLES_PER_CHUNK, motion.n_samples))
-        writer.add_chunk(_sample_blocks(arrays, tree, topics, channels, times, samples))
+        writer.add_chunk(_sample_blocks(motion, tree, topics, channels, times, samples))
         progress(samples.stop, motion.n_samples)
     writer.finish()
 
@@ -162,7 +162,7 @@ def _write_once(
 
 
 def _sample_blocks(
-    arrays: dict[str, Any],
+    motion: Motion,
     tree: LinkTree,
     topics: list[SampleTopic],
     channels: dict[str, int],
@@ -174,16 +174,18 @@ def _sample_blocks(
     stamps = split_stamps(times)
     blocks = []
     for topic in topics:
-        columns = topic.columns(arrays, samples)
+        columns = topic.columns(vars(motion), samples)
         columns["stamp"] = stamps
         if topic.name == TF_TOPIC:
-            links = tree.poses(arrays["q"][samples])
+            links = tree.poses(motion.q[samples])
             columns |= {f"link {i}": links[:, i] for i in range(links.shape[1])}
+        elif topic.name == COMMANDS_TOPIC:
+            columns["position"] = servo_commands(motion, samples).position
         channel = channels[topic.name]
         rows = message_rows(channel, times, topic.layout.size)
         topic.layout.fill(rows[:, HEAD:], columns)
         blocks.append(block_of_rows(channel, times, rows))
-    blocks.append(_support_block(channels[SUPPORT_TOPIC], times, arrays["support"][samples]))
+    blocks.append(_support_block(channels[SUPPORT_TOPIC], times, motion.support[samples]))
     return blocks
 
 
