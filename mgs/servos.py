@@ -2,7 +2,7 @@
 
 A motor behind a gear, driven in proportion to the error of its position loop, at every joint:
 
-    drive  = stiffness (q_command - q), at most the stall torque
+    drive  = stiffness (q_command - q)
     motor  = drive - damping v, at most what the line from stall torque to no-load speed leaves
     torque = motor - friction(v)
     friction(v) = viscous_friction v + coulomb(v)

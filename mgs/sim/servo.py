@@ -98,11 +98,15 @@ class ServoModel:
         beyond = np.abs(error) - s.deadband
         # a whole number of ticks equals the deadband only up to rounding
         drive = np.where(beyond > 1e-9, s.stiffness * beyond + s.punch, 0.0)
-        return np.asarray(np.sign(error) * np.minimum(drive, s.stall_torque))
+        return np.asarray(np.sign(error) * drive)
 
     def _free_speed(self, drive: Array) -> Array:
-        """Speed (n,) at which nothing is left of a drive (n,)."""
+        """Speed (n,) at which nothing is left of a drive (n,), on its own or at the line."""
         s = self._servos
-        left = np.maximum(np.abs(drive) - s.coulomb_friction, 0.0)
-        braking = np.maximum(s.damping + s.viscous_friction, s.stall_torque / s.no_load_speed)
-        return np.asarray(np.sign(drive) * left / braking)
+        least = 1e-9  # [N m s/rad]: damping may be 0, then the line ends it
+        by_damping = (np.abs(drive) - s.coulomb_friction) / np.maximum(
+            s.damping + s.viscous_friction, least
+        )
+        line = s.stall_torque / s.no_load_speed
+        by_line = (s.stall_torque - s.coulomb_friction) / (line + s.viscous_friction)
+        return np.asarray(np.sign(drive) * np.maximum(np.minimum(by_damping, by_line), 0.0))
