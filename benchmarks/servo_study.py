@@ -1,8 +1,8 @@
 """What modelled servos do to a walk, and what feed-forward commands do about it.
 
 Run as `python benchmarks/servo_study.py [stiffness|step|servo|command|gaits ...]`; prints the
-tables of docs/simulation.md as Markdown. A cell is the verdict on a replay in one engine: largest tilt [deg],
-root mean square of the joint errors [deg] and distance from the plan at the end [mm].
+tables of docs/simulation.md as Markdown. A cell is one replay: largest tilt [deg], root mean square
+of the joint errors [deg] and distance from the plan at the end [mm].
 """
 
 from __future__ import annotations
