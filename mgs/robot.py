@@ -8,12 +8,12 @@ import tempfile
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from mgs.config import FormatVersion, Model, build, is_file, parse_yaml, read_text
 from mgs.contact import Side
@@ -45,7 +45,7 @@ class SoleSpec(FrameSpec):
 
 
 class ServoSpec(Model):
-    """Figures of one servo model."""
+    """Figures of one servo model; mgs.servos says what a servo does with those of its loop."""
 
     stall_torque: float = Field(gt=0.0, le=1e4, description="[N m]")
     no_load_speed: float = Field(gt=0.0, le=100.0, description="[rad/s]")
@@ -53,6 +53,48 @@ class ServoSpec(Model):
     armature: float = Field(
         0.0, ge=0.0, le=10.0, description="Rotor inertia seen at the joint [kg m^2]."
     )
+    stiffness: float | None = Field(
+        None, gt=0.0, le=1e6, description="Torque per error of the position loop [N m/rad]."
+    )
+    compliance_slope: Literal[2, 4, 8, 16, 32, 64, 128] | None = Field(
+        None,
+        description="In place of stiffness: ticks of error over which the torque grows to stall "
+        "torque, a register of Dynamixel's AX and RX servos; 32 when shipped.",
+    )
+    damping: float | None = Field(
+        None,
+        ge=0.0,
+        le=1e5,
+        description="Of the motor, by its back-EMF, and of the loop [N m s/rad]; "
+        "None: stall torque / no-load speed.",
+    )
+    latency: float = Field(0.0, ge=0.0, le=0.5, description="From command to torque [s].")
+    deadband: float = Field(
+        0.0, ge=0.0, le=0.2, description="Error up to which there is no torque [rad]."
+    )
+    punch: float = Field(
+        0.0, ge=0.0, le=1e4, description="Torque with which it sets in beyond the deadband [N m]."
+    )
+    friction: float = Field(0.0, ge=0.0, le=1e4, description="Of the gear, Coulomb's [N m].")
+    viscous_friction: float = Field(
+        0.0, ge=0.0, le=1e5, description="Of the gear, per speed [N m s/rad]."
+    )
+
+    @model_validator(mode="after")
+    def _has_one_stiffness(self) -> ServoSpec:
+        if self.compliance_slope is not None:
+            if self.stiffness is not None:
+                raise ValueError("give stiffness or compliance_slope, not both")
+            if not self.resolution:
+                raise ValueError("compliance_slope counts ticks: give resolution too")
+        return self
+
+    @property
+    def spring(self) -> float | None:
+        """Stiffness of the position loop [N m/rad]; None where the file has none."""
+        if self.compliance_slope is None:
+            return self.stiffness
+        return self.stall_torque / (self.compliance_slope * self.resolution)
 
 
 class PairOf(Model):

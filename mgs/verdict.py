@@ -1,8 +1,8 @@
 """Pass or fail of a motion: static checks and physics replays put together.
 
 Tolerances of a replay: the robot stays up to the end and one second longer, ends within
-max(10 % of the distance, 20 mm) and 5 deg of its plan, and holds no servo at its stall torque for
-longer than 50 ms in a row.
+max(10 % of the distance, 20 mm) and 5 deg of its plan, and holds no servo at its limit for longer
+than 50 ms in a row: the stall torque of an ideal servo, the speed-torque line of a modelled one.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mgs.checks import Check
-from mgs.sim import Replay
+from mgs.sim import Replay, ServoName
 from mgs.sim.playback import FALL_TILT
 
 POSITION_RATIO, POSITION_FLOOR = 0.10, 0.020  # of the distance; [m]
@@ -34,12 +34,18 @@ class Verdict:
         """Whether no check fails."""
         return all(check.ok for check in self.checks)
 
+    @property
+    def servo(self) -> ServoName | None:
+        """Servos that all replays had; None without replays."""
+        return self.replays[0].servo if self.replays else None
+
     def to_dict(self) -> dict[str, object]:
         """The verdict as plain data, in the shape that `mgs validate --json` prints."""
         return {
             "file": self.file,
             "verdict": "pass" if self.passed else "fail",
             "checks": [check.to_dict() for check in self.checks],
+            "servo": self.servo,
             "physics": [replay.engine for replay in self.replays],  # empty: static checks alone
             "replays": [replay.to_json() for replay in self.replays],
             "monte_carlo": None,

@@ -193,28 +193,35 @@ def test_a_bad_motion_fails_exactly_its_own_check(name: str, good: Motion, tmp_p
     assert (result.exit_code, content["verdict"]) == (1, "fail")
 
 
+@pytest.mark.parametrize("servo", ["ideal", "model"])
 @pytest.mark.parametrize("engine", available_engines())
 @pytest.mark.parametrize("name", ["com_off", "weak_servo"])
 def test_a_motion_that_falls_is_reported_as_fallen(
-    name: str, engine: str, good: Motion, tmp_path: Path
+    name: str, engine: str, servo: str, good: Motion, tmp_path: Path
 ) -> None:
     path = tmp_path / f"{name}.mcap"
     write_motion(STATIC[name][1](good), path)
-    result = CliRunner().invoke(main, ["validate", str(path), "--physics", engine, "--json"])
+    options = ["--physics", engine, "--servo", servo, "--json"]
+    result = CliRunner().invoke(main, ["validate", str(path), *options])
     content = json.loads(result.stdout)
     assert content["replays"][0]["fell"] is True
     assert f"{engine}_upright" in {c["name"] for c in content["checks"] if not c["ok"]}
     assert (result.exit_code, content["verdict"]) == (1, "fail")
-    replayed = CliRunner().invoke(main, ["replay", str(path), "--engine", engine])
+    options = ["--engine", engine, "--servo", servo]
+    replayed = CliRunner().invoke(main, ["replay", str(path), *options])
     assert replayed.exit_code == 1
     assert "FELL" in replayed.stdout
 
 
+@pytest.mark.parametrize("servo", ["ideal", "model"])
 @pytest.mark.parametrize("engine", available_engines())
-def test_the_motion_they_are_made_of_stays_up(engine: str, good: Motion, tmp_path: Path) -> None:
+def test_the_motion_they_are_made_of_stays_up(
+    engine: str, servo: str, good: Motion, tmp_path: Path
+) -> None:
     path = tmp_path / "good.mcap"
     write_motion(good, path)
-    result = CliRunner().invoke(main, ["validate", str(path), "--physics", engine, "--json"])
+    options = ["--physics", engine, "--servo", servo, "--json"]
+    result = CliRunner().invoke(main, ["validate", str(path), *options])
     assert (result.exit_code, json.loads(result.stdout)["verdict"]) == (0, "pass")
 
 

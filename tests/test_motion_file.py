@@ -42,6 +42,7 @@ from mgs.motion_file import read_info, read_motion, write_motion
 from mgs.motion_file.cdr import message_layout
 from mgs.pipeline import generate
 from mgs.robot import Robot, load_robot
+from mgs.servos import servo_commands
 from tests.crooked import crooked_robot
 from tests.strategies import balance_gait, figure_eight, sine, walk_gait
 
@@ -349,6 +350,18 @@ def test_joint_states_hold_angles_velocities_and_torques(messages: Any, motion: 
     assert np.array_equal([s.position for s in states], motion.q[:, 7:])
     assert np.array_equal([s.velocity for s in states], motion.v[:, 6:])
     assert np.array_equal([s.effort for s in states], motion.torque)
+
+
+def test_joint_commands_lie_beside_the_states_of_servos_with_a_stiffness(
+    messages: Any, motion: Motion
+) -> None:
+    if motion.robot.spec.name != "melson":  # the other robot's servos have none
+        assert "/joint_commands" not in messages
+        return
+    commands = messages["/joint_commands"]
+    assert all(tuple(c.name) == motion.robot.joint_names for c in commands)
+    assert np.array_equal([c.position for c in commands], servo_commands(motion).position)
+    assert all(len(c.velocity) == len(c.effort) == 0 for c in commands)
 
 
 def test_points_and_poses_are_those_of_the_motion(messages: Any, motion: Motion) -> None:

@@ -318,6 +318,17 @@ def changed(old: str, new: str, text: str = YAML) -> str:
         ("left_knee_pitch: 0.87", "left_knee_pitch: bent", "posture.left_knee_pitch: "),
         ("stall_torque: 2.8", "stall_torque: -2.8", "servos.RX-28.stall_torque: "),
         ("stall_torque: 2.8, ", "", "servos.RX-28.stall_torque: missing"),
+        ("punch: 0.0876", "stiffness: 0.0", "servos.RX-28.stiffness: "),
+        ("punch: 0.0876", "stiffness: .inf", "servos.RX-28.stiffness: "),
+        ("punch: 0.0876", "stiffness: 17.0", "give stiffness or compliance_slope, not both"),
+        ("punch: 0.0876", "punch: -0.1", "servos.RX-28.punch: "),
+        (
+            "compliance_slope: 32, deadband: 0.00511, punch: 0.0876",
+            "compliance_slope: 33",
+            "servos.RX-28.compliance_slope: ",
+        ),
+        ("resolution: 0.00511, armature: 0.005", "armature: 0.005", "give resolution too"),
+        ("latency: 0.004, friction: 0.05}\n  AX", "latency: 4.0}\n  AX", "servos.RX-28.latency: "),
         ("waist_yaw: AX-12", "waist_yaw: AX-18", "joints.waist_yaw: servo 'AX-18' is not listed"),
         ("  waist_yaw: AX-12\n", "", "joints: no servo given for joint 'waist_yaw'"),
         (

@@ -25,6 +25,7 @@ ORDER = [
     "support_tree",
     "dynamics",
     "motion",
+    "servos",
     "motion_planner",
     "trajectory_planner",
     "com_generator",

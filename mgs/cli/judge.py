@@ -13,7 +13,16 @@ from mgs.errors import ConfigError
 if TYPE_CHECKING:
     from mgs.checks import Check
     from mgs.motion import Motion
-    from mgs.sim import EngineName, Replay, Settings
+    from mgs.sim import EngineName, Replay, ServoName, Settings
+
+servo_option = click.option(
+    "--servo", type=click.Choice(["ideal", "model"]), default="ideal",
+    help="Ideal servos, or those that robot.yaml describes. Default: ideal.",
+)  # fmt: skip
+feed_forward_option = click.option(
+    "--feed-forward/--no-feed-forward", default=None,
+    help="Tell modelled servos what makes up for their droop, or the planned angles. Default: yes.",
+)  # fmt: skip
 
 
 @click.command()
@@ -22,9 +31,18 @@ if TYPE_CHECKING:
     "--physics", metavar="ENGINES",
     help="pybullet, mujoco, both with a comma, or none; default: every engine present.",
 )  # fmt: skip
+@servo_option
+@feed_forward_option
 @json_option
 @click.pass_context
-def validate(ctx: click.Context, file: Path, physics: str | None, as_json: bool) -> None:
+def validate(
+    ctx: click.Context,
+    file: Path,
+    physics: str | None,
+    servo: ServoName,
+    feed_forward: bool | None,
+    as_json: bool,
+) -> None:
     """Judge a motion: static checks and an open-loop replay in physics.
 
     Exit code 0 when nothing fails, 1 when anything does.
@@ -33,15 +51,20 @@ def validate(ctx: click.Context, file: Path, physics: str | None, as_json: bool)
     Examples:
       mgs validate walk.mcap
       mgs validate walk.mcap --physics none --json
+      mgs validate walk.mcap --servo model
     """  # noqa: D301
     from mgs.checks import check_motion
     from mgs.motion_file import read_motion
+    from mgs.servos import servos_of
     from mgs.verdict import judge
 
     engines = _engines(physics)
+    _check_servo(servo, feed_forward)
     motion = read_motion(file)
+    if servo == "model":
+        servos_of(motion.robot)  # before the checks take their time
     checks = with_progress("static checks", lambda bar: check_motion(motion, bar))
-    replays = [_replay(motion, engine, None) for engine in engines]
+    replays = [_replay(motion, engine, None, servo, feed_forward) for engine in engines]
     verdict = judge(str(file), checks, replays)
     if as_json:
         print_json(verdict.to_dict())
@@ -65,6 +88,8 @@ def validate(ctx: click.Context, file: Path, physics: str | None, as_json: bool)
 @click.option("--step", type=FiniteRange(1e-5, 0.01), help="Simulation step [s].")
 @click.option("--iterations", type=click.IntRange(1, 10_000), help="Of the contact solver.")
 @click.option("--friction", type=FiniteRange(0.0, 10.0), help="Of soles on the ground.")
+@servo_option
+@feed_forward_option
 @json_option
 @click.pass_context
 def replay(
@@ -74,6 +99,8 @@ def replay(
     step: float | None,
     iterations: int | None,
     friction: float | None,
+    servo: ServoName,
+    feed_forward: bool | None,
     as_json: bool,
 ) -> None:
     """Execute a motion open loop in one physics engine and measure it.
@@ -84,17 +111,19 @@ def replay(
     Examples:
       mgs replay walk.mcap
       mgs replay walk.mcap --engine mujoco --friction 0.5 --json
+      mgs replay walk.mcap --servo model --no-feed-forward
     """  # noqa: D301
     import dataclasses
 
     from mgs.motion_file import read_motion
     from mgs.sim import DEFAULTS
 
+    _check_servo(servo, feed_forward)
     name = engine or _engines(None)[0]
     changes = {"dt": step, "iterations": iterations, "friction": friction}
     given = {key: value for key, value in changes.items() if value is not None}
     settings = dataclasses.replace(DEFAULTS[name], **given)  # type: ignore[arg-type]
-    result = _replay(read_motion(file), name, settings)
+    result = _replay(read_motion(file), name, settings, servo, feed_forward)
     if as_json:
         print_json(result.to_json())
     else:
@@ -120,10 +149,24 @@ def _engines(physics: str | None) -> list[EngineName]:
     return [engine for engine in ENGINES if engine in asked]
 
 
-def _replay(motion: Motion, engine: EngineName, settings: Settings | None) -> Replay:
+def _check_servo(servo: ServoName, feed_forward: bool | None) -> None:
+    if feed_forward and servo == "ideal":
+        raise ConfigError("--feed-forward", "an ideal servo has no droop; add --servo model")
+
+
+def _replay(
+    motion: Motion,
+    engine: EngineName,
+    settings: Settings | None,
+    servo: ServoName,
+    feed_forward: bool | None,
+) -> Replay:
     from mgs.sim import replay as run
 
-    return with_progress(engine, lambda bar: run(motion, engine, settings, bar))
+    return with_progress(
+        engine,
+        lambda bar: run(motion, engine, settings, bar, servo=servo, feed_forward=feed_forward),
+    )
 
 
 def _line(check: Check) -> str:
@@ -138,8 +181,18 @@ def _sentence(replay: Replay) -> str:
     x, y = replay.distance
     planned_x, planned_y = replay.planned_distance
     fate = f"FELL at {replay.fall_time:.2f} s" if replay.fell else "stays up"
+    servos = {
+        ("ideal", False): "ideal servos",
+        ("model", True): "modelled servos, feed-forward",
+        ("model", False): "modelled servos",
+    }[replay.servo, replay.feed_forward]
+    if replay.command_clipped_joint is not None:
+        servos += (
+            f" (cut by up to {replay.command_clipped_deg:.1f} deg at the limit of "
+            f"{replay.command_clipped_joint})"
+        )
     return (
-        f"{replay.engine} {replay.version}: {fate}; went ({x:+.3f}, {y:+.3f}) m, "
+        f"{replay.engine} {replay.version}, {servos}: {fate}; went ({x:+.3f}, {y:+.3f}) m, "
         f"plan ({planned_x:+.3f}, {planned_y:+.3f}) m, yaw {replay.yaw_error_deg:+.2f} deg off; "
         f"tilt up to {replay.max_tilt_deg:.1f} deg, slip {1e3 * replay.sole_slip_max:.1f} mm, "
         f"joints {replay.joint_error_rms_deg:.2f} deg rms, "

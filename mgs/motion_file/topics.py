@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 WORLD = "world"  # name of the world frame in tf
 START_NS = 10**9  # stamp of the first sample; tf2 takes 0 for "latest"
 STAMP = Slot("stamp", 2, "<i4")  # seconds and nanoseconds
+COMMANDS_TOPIC = "/joint_commands"
 SUPPORT_TOPIC = "/support"
 TF_TOPIC = "/tf"
 
@@ -111,6 +112,14 @@ def _joint_states(robot: Robot) -> SampleTopic:
         "effort": ("torque", np.s_[:]),
     }
     return SampleTopic("/joint_states", kind, message_layout(kind, value), parts)
+
+
+def joint_commands(robot: Robot) -> SampleTopic:
+    """What servos are told; no part of the motion, the slot is derived from it when writing."""
+    kind = "sensor_msgs/JointState"
+    position = Slot("position", robot.n)
+    value = {"header": _header(""), "name": robot.joint_names, "position": position}
+    return SampleTopic(COMMANDS_TOPIC, kind, message_layout(kind, value), {})
 
 
 def _base_twist(tree: LinkTree) -> SampleTopic:

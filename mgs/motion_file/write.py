@@ -29,16 +29,19 @@ from mgs.motion_file.mcap_writer import (
 )
 from mgs.motion_file.once import ONCE_TOPICS, small_messages, trajectory_message
 from mgs.motion_file.topics import (
+    COMMANDS_TOPIC,
     START_NS,
     SUPPORT_TOPIC,
     TF_TOPIC,
     SampleTopic,
+    joint_commands,
     sample_topics,
     split_stamps,
     stamps_ns,
     support_layouts,
 )
 from mgs.motion_file.transforms import LinkTree, link_tree
+from mgs.servos import is_modelled, servo_commands
 
 FORMAT_VERSION = 2
 SAMPLES_PER_CHUNK = 500  # about 2 MB; players read a chunk at a time
@@ -96,6 +99,8 @@ def _replacing(path: Path) -> Iterator[BinaryIO]:
 def _write(motion: Motion, stream: BinaryIO, progress: Progress) -> None:
     tree = link_tree(motion.robot)
     topics = sample_topics(motion.robot, tree)
+    if is_modelled(motion.robot):
+        topics.append(joint_commands(motion.robot))
     writer = ChunkWriter(stream, f"mgs {mgs.__version__}")
     once = {name: writer.add_channel(name, kind, once=True) for name, kind in ONCE_TOPICS.items()}
     channels = {t.name: writer.add_channel(t.name, t.kind, once=False) for t in topics}
@@ -174,6 +179,8 @@ def _sample_blocks(
         if topic.name == TF_TOPIC:
             links = tree.poses(motion.q[samples])
             columns |= {f"link {i}": links[:, i] for i in range(links.shape[1])}
+        elif topic.name == COMMANDS_TOPIC:
+            columns["position"] = servo_commands(motion, samples).position
         channel = channels[topic.name]
         rows = message_rows(channel, times, topic.layout.size)
         topic.layout.fill(rows[:, HEAD:], columns)

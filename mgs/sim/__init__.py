@@ -3,14 +3,16 @@
 from mgs.sim.engine import available_engines
 from mgs.sim.playback import Progress
 from mgs.sim.replay import Replay, Trace, replay
-from mgs.sim.settings import DEFAULTS, ENGINES, EngineName, Settings
+from mgs.sim.settings import DEFAULTS, ENGINES, SERVOS, EngineName, ServoName, Settings
 
 __all__ = [
     "DEFAULTS",
     "ENGINES",
+    "SERVOS",
     "EngineName",
     "Progress",
     "Replay",
+    "ServoName",
     "Settings",
     "Trace",
     "available_engines",

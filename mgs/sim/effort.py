@@ -27,12 +27,18 @@ class Effort:
         self._longest = np.zeros(len(stall), dtype=np.intp)
         self._end = np.zeros(len(stall), dtype=np.intp)
 
-    def add(self, torque: Array) -> None:
-        """Take in the torques (k, n) of the next steps [N m]."""
+    def add(self, torque: Array, saturated: NDArray[np.bool_] | None = None) -> None:
+        """Take in the torques (k, n) of the next steps [N m].
+
+        Args:
+            torque: of the servos.
+            saturated: where (k, n) they are at a limit; None: where they are at stall torque.
+        """
         magnitude = np.abs(torque)
         self._squares += np.square(torque).sum(axis=0)
         self.peak = np.maximum(self.peak, magnitude.max(axis=0))
-        saturated = magnitude >= SATURATED * self._stall
+        if saturated is None:
+            saturated = magnitude >= SATURATED * self._stall
         if saturated.any():
             for step, row in enumerate(saturated, start=self._n_steps + 1):
                 self._run = np.where(row, self._run + 1, 0)
@@ -49,7 +55,7 @@ class Effort:
 
     @property
     def saturation(self) -> Array:
-        """Longest time in a row at stall torque (n,) [s]."""
+        """Longest time in a row at the limit (n,) [s]."""
         return np.asarray(self._longest * self._dt, dtype=np.float64)
 
     @property

@@ -14,15 +14,18 @@ from numpy.typing import NDArray
 from mgs.errors import SimulationError
 from mgs.robot import Robot
 from mgs.sim.audit import EngineModel, audit
-from mgs.sim.settings import ENGINES, EngineName, Settings
+from mgs.sim.servo import JointState
+from mgs.sim.settings import ENGINES, EngineName, ServoName, Settings
 
 Array = NDArray[np.float64]
 
 
 class Engine(Protocol):
-    """One robot on level ground at z = 0, its joints driven by position servos.
+    """One robot on level ground at z = 0.
 
-    q is (7 + n,) as in `Robot`: base position, base quaternion xyzw, joint angles.
+    Its joints are driven either by the engine's own ideal position servos or, for servos modelled
+    outside, pushed by torques; which of the two is settled when the engine is made. q is
+    (7 + n,) as in `Robot`: base position, base quaternion xyzw, joint angles.
     """
 
     @property
@@ -33,11 +36,17 @@ class Engine(Protocol):
         """Put the robot at q, at rest."""
 
     def drive(self, position: Array, velocity: Array) -> Array:
-        """Make k steps with the servos aiming at (k, n) joint states at the end of each step.
+        """Make k steps with ideal servos aiming at (k, n) joint states at the end of each step.
 
         Returns:
             Joint torques (k, n) of the servos during each step [N m].
         """
+
+    def joints(self) -> JointState:
+        """Current state of the joints."""
+
+    def push(self, torque: Array, free_speed: Array) -> JointState:
+        """Make one step with torques (n,) [N m] that would be zero at free_speed (n,) [rad/s]."""
 
     def read(self) -> Array:
         """Current q (7 + n,); not finite once the simulation has diverged."""
@@ -54,14 +63,16 @@ def available_engines() -> tuple[EngineName, ...]:
     return tuple(name for name in ENGINES if importlib.util.find_spec(name) is not None)
 
 
-def make_engine(name: EngineName, robot: Robot, settings: Settings) -> Engine:
+def make_engine(
+    name: EngineName, robot: Robot, settings: Settings, servo: ServoName = "ideal"
+) -> Engine:
     """Engine with the robot loaded, its model proven equal to Pinocchio's.
 
     Raises:
         SimulationError: the engine is unknown or not installed, or the models differ.
     """
     require(name)
-    engine = _load(name, robot, settings)
+    engine = _load(name, robot, settings, servo)
     try:
         audit(engine, robot, name)
     except SimulationError:
@@ -80,11 +91,11 @@ def require(name: EngineName) -> None:
         )
 
 
-def _load(name: EngineName, robot: Robot, settings: Settings) -> Engine:
+def _load(name: EngineName, robot: Robot, settings: Settings, servo: ServoName) -> Engine:
     if name == "pybullet":
         from mgs.sim.pybullet import PybulletEngine
 
-        return PybulletEngine(robot, settings)
+        return PybulletEngine(robot, settings, servo)
     from mgs.sim.mujoco import MujocoEngine
 
-    return MujocoEngine(robot, settings)
+    return MujocoEngine(robot, settings, servo)

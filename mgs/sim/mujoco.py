@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from mgs.robot import FLOATING_BASE_NQ, Robot
 from mgs.sim.audit import EngineModel
 from mgs.sim.model import link_name, simulation_urdf
-from mgs.sim.settings import Settings
+from mgs.sim.servo import JointState
+from mgs.sim.settings import ServoName, Settings
 
 Array = NDArray[np.float64]
 XYZW_FROM_WXYZ = [1, 2, 3, 0]
@@ -24,12 +25,12 @@ GRAVITY = 9.81  # [m/s^2]
 class MujocoEngine:
     """One robot on a plane."""
 
-    def __init__(self, robot: Robot, settings: Settings) -> None:
+    def __init__(self, robot: Robot, settings: Settings, servo: ServoName = "ideal") -> None:
         """Compile the model."""
         import mujoco
 
         self._mj: Any = mujoco
-        self._robot, self._settings = robot, settings
+        self._robot, self._settings, self._servo = robot, settings, servo
         self._former_handler = mujoco.get_mju_user_warning()
         # MuJoCo would write MUJOCO_LOG.TXT where the user stands; `read` looks at its counters
         mujoco.set_mju_user_warning(lambda _: None)
@@ -64,6 +65,21 @@ class MujocoEngine:
             step(model, data)
             torque[:] = force
         return torques
+
+    def joints(self) -> JointState:
+        """Current state of the joints."""
+        data, dofs = self._data, self._angles - 1  # the free joint: one velocity less than angles
+        return JointState(data.qpos[self._angles], data.qvel[dofs], data.qfrc_applied[dofs])
+
+    def push(self, torque: Array, free_speed: Array) -> JointState:
+        """Make one step with torques (n,) [N m].
+
+        They may damp as they like: every joint has its rotor to slow down.
+        """
+        del free_speed
+        self._data.qfrc_applied[self._angles - 1] = torque
+        self._mj.mj_step(self._model, self._data)
+        return self.joints()
 
     def _controls(self, position: Array, velocity: Array) -> Array:
         # a position servo has no speed target: it enters as a shift of the position target,
@@ -139,7 +155,7 @@ class MujocoEngine:
         stall = float(robot.torque_limit[i])
         # MuJoCo's contacts give way in proportion to 1 / inertia: feet without rotor inertia creep
         joint.armature = float(robot.armature[i]) or stall / ROTOR_ACCELERATION
-        kp = stall * settings.stiffness
+        kp = stall * settings.stiffness if self._servo == "ideal" else 0.0  # 0: pushed from outside
         actuator = spec.add_actuator(
             name=joint.name,
             target=joint.name,

@@ -19,9 +19,11 @@ from mgs.errors import SimulationError
 from mgs.geometry import sole_corners
 from mgs.motion import Motion
 from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
+from mgs.servos import Commands, Servos
 from mgs.sim.effort import Effort
 from mgs.sim.engine import Engine
 from mgs.sim.measure import angle_between
+from mgs.sim.servo import ServoModel
 from mgs.sim.settings import Settings
 
 Array = NDArray[np.float64]
@@ -43,9 +45,22 @@ class Recording:
 
 
 def play(
-    motion: Motion, engine: Engine, settings: Settings, progress: Progress | None = None
+    motion: Motion,
+    engine: Engine,
+    settings: Settings,
+    progress: Progress | None = None,
+    servos: Servos | None = None,
+    commands: Commands | None = None,
 ) -> Recording:
     """Settle, play and hold; ends early, some time after a fall. `settings.dt` divides `motion.dt`.
+
+    Args:
+        motion: the plan.
+        engine: made for ideal servos, or for modelled ones if there are any.
+        settings: how to simulate.
+        progress: called with samples done and samples in all.
+        servos: modelled servos; None for the engine's ideal ones.
+        commands: what servos are told; None for the planned joint angles.
 
     Raises:
         SimulationError: the simulation diverged.
@@ -53,13 +68,17 @@ def play(
     robot, n_steps = motion.robot, round(motion.dt / settings.dt)
     plan = np.arange(motion.n_samples + round(settings.tail / motion.dt))
     plan = np.minimum(plan, motion.n_samples - 1)
-    torque = _settle(motion, engine, settings, n_steps)
-    effort, targets = Effort(robot.torque_limit, settings.dt), Targets(motion, n_steps)
+    drive = _driver(engine, settings, servos)
+    effort, targets = Effort(robot.torque_limit, settings.dt), Targets(motion, n_steps, commands)
+    engine.place(on_ground(robot, motion.q[0]))
+    torque = np.zeros((n_steps, robot.n))
+    for _ in range(round(settings.settle / motion.dt)):
+        torque, _ = drive(*targets.begin)
     q, torques = [_read(engine, 0.0)], [torque.mean(axis=0)]
     end = len(plan)
     for k in range(1, len(plan)):
-        torque = engine.drive(*targets.before(k))
-        effort.add(torque)
+        torque, limited = drive(*targets.before(k))
+        effort.add(torque, limited)
         q.append(_read(engine, k * motion.dt))
         torques.append(torque.mean(axis=0))
         if end == len(plan) and is_down(robot, q[k], motion.q[plan[k]]):
@@ -71,12 +90,15 @@ def play(
     return Recording(plan=plan[: len(q)], q=np.array(q), torque=np.array(torques), effort=effort)
 
 
-def _settle(motion: Motion, engine: Engine, settings: Settings, n_steps: int) -> Array:
-    engine.place(on_ground(motion.robot, motion.q[0]))
-    torque = np.zeros((n_steps, motion.robot.n))
-    for _ in range(round(settings.settle / motion.dt)):
-        torque = engine.drive(*_hold(motion.q[0], n_steps))
-    return torque
+Drive = Callable[[Array, Array], tuple[Array, NDArray[np.bool_] | None]]
+
+
+def _driver(engine: Engine, settings: Settings, servos: Servos | None) -> Drive:
+    """What makes steps towards (k, n) positions and velocities: torques (k, n), where limited."""
+    if servos is None:
+        return lambda position, velocity: (engine.drive(position, velocity), None)
+    model = ServoModel(servos, settings.dt)
+    return lambda position, velocity: model.drive(engine, position)
 
 
 def _read(engine: Engine, t: float) -> Array:
@@ -128,8 +150,8 @@ def poses_along(robot: Robot, q: Array) -> tuple[Array, Array]:
 class Targets:
     """Joint targets at the end of every simulation step: cubic Hermite between samples."""
 
-    def __init__(self, motion: Motion, n_steps: int) -> None:
-        """Prepare to divide every sampling period into n_steps."""
+    def __init__(self, motion: Motion, n_steps: int, commands: Commands | None = None) -> None:
+        """Prepare to divide every sampling period into n_steps; None: the planned joint angles."""
         s, h = np.arange(1, n_steps + 1) / n_steps, motion.dt
         position = [
             1 + s**2 * (2 * s - 3),
@@ -144,9 +166,13 @@ class Targets:
             s * (3 * s - 2),
         ]
         self._position, self._velocity = np.stack(position, axis=1), np.stack(velocity, axis=1)
-        self._q = motion.q[:, FLOATING_BASE_NQ:]
-        self._v = motion.v[:, FLOATING_BASE_NV:]
-        self._end = _hold(motion.q[-1], n_steps)
+        if commands is None:
+            self._q = motion.q[:, FLOATING_BASE_NQ:]
+            self._v = motion.v[:, FLOATING_BASE_NV:]
+        else:
+            self._q = commands.position
+            self._v = _central_differences(commands.position, motion.dt)
+        self.begin, self._end = _hold(self._q[0], n_steps), _hold(self._q[-1], n_steps)
 
     def before(self, k: int) -> tuple[Array, Array]:
         """Positions and velocities (n_steps, n) on the way from sample k - 1 to sample k."""
@@ -156,6 +182,12 @@ class Targets:
         return self._position @ knots, self._velocity @ knots
 
 
-def _hold(q: Array, n_steps: int) -> tuple[Array, Array]:
-    position = np.tile(q[FLOATING_BASE_NQ:], (n_steps, 1))
+def _hold(joints: Array, n_steps: int) -> tuple[Array, Array]:
+    position = np.tile(joints, (n_steps, 1))
     return position, np.zeros_like(position)
+
+
+def _central_differences(x: Array, dt: float) -> Array:
+    """Rates (N, n) of x (N, n), at rest before the first and after the last sample."""
+    padded = np.concatenate([x[:1], x, x[-1:]])
+    return np.asarray((padded[2:] - padded[:-2]) / (2.0 * dt))

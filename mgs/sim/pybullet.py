@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
 from mgs.sim.audit import EngineModel
 from mgs.sim.model import simulation_urdf
-from mgs.sim.settings import Settings
+from mgs.sim.servo import JointState
+from mgs.sim.settings import ServoName, Settings
 
 Array = NDArray[np.float64]
 BASE = -1  # PyBullet's index of the base link
@@ -31,11 +32,12 @@ class PybulletEngine:
     PyBullet has no rotor inertia: `Robot.armature` is left out here, unlike in MuJoCo.
     """
 
-    def __init__(self, robot: Robot, settings: Settings) -> None:
-        """Connect and load."""
+    def __init__(self, robot: Robot, settings: Settings, servo: ServoName = "ideal") -> None:
+        """Connect and load; `servo` makes no difference here, motors do as each step says."""
         import pybullet
 
         self._p: Any = pybullet
+        del servo
         self._robot, self._settings = robot, settings
         self._stiffness = settings.stiffness * robot.torque_limit  # (n,) [N m/rad]
         self._yield, self._torque = np.zeros(robot.n), np.zeros(robot.n)  # [rad], [N m]
@@ -73,6 +75,31 @@ class PybulletEngine:
             torque[:] = [state[3] for state in p.getJointStates(body, joints, client)]
             self._torque = torque
         return torques
+
+    def joints(self) -> JointState:
+        """Current state of the joints."""
+        states = self._p.getJointStates(self._body, self._joints, self._client)
+        return JointState(*np.array([(s[0], s[1], s[3]) for s in states]).T)
+
+    def push(self, torque: Array, free_speed: Array) -> JointState:
+        """Make one step with torques (n,) [N m] that would be zero at free_speed (n,) [rad/s].
+
+        Links are light without their rotors, a foot by a factor of 90: the damping of a servo would
+        throw it to and fro at any step beyond 0.2 ms. Therefore a motor that aims at free_speed
+        and has no more force than the torque: it gives all of it, except where that would take the
+        joint past the speed at which a servo has none left.
+        """
+        self._p.setJointMotorControlArray(
+            self._body,
+            self._joints,
+            self._p.VELOCITY_CONTROL,
+            targetVelocities=free_speed.tolist(),
+            forces=np.abs(torque).tolist(),
+            velocityGains=[1.0] * self._robot.n,
+            physicsClientId=self._client,
+        )
+        self._p.stepSimulation(self._client)
+        return self.joints()
 
     def _command(self, position: Array, velocity: Array) -> None:
         """Aim the motors at joint states (n,) at the end of the step, less what servos yield.

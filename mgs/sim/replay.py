@@ -5,7 +5,8 @@ the tail; yaw errors likewise, of the mean heading of the soles. Tilt is the ang
 vertical as the simulated torso sees it and as the planned torso sees it at the same time: a turn
 about the vertical is no tilt. A robot has fallen where that angle exceeds 45 deg or its base is
 below 60 % of its planned height. Slip is the horizontal displacement of a sole within one of its
-support phases in the plan.
+support phases in the plan. The limit of an ideal servo is its stall torque, that of a modelled one
+the line from stall torque to no-load speed.
 """
 
 from __future__ import annotations
@@ -18,13 +19,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mgs.errors import SimulationError
 from mgs.geometry import wrap_angle
 from mgs.motion import Motion
 from mgs.robot import FLOATING_BASE_NQ
+from mgs.servos import Commands, servo_commands, servos_of
 from mgs.sim.engine import make_engine, require
 from mgs.sim.measure import angle_between, largest_slip, travel
 from mgs.sim.playback import Progress, Recording, fallen, play, poses_along
-from mgs.sim.settings import DEFAULTS, EngineName, Settings
+from mgs.sim.settings import DEFAULTS, SERVOS, EngineName, ServoName, Settings
 
 Array = NDArray[np.float64]
 
@@ -51,6 +54,10 @@ class Replay:
     engine: EngineName
     version: str
     settings: Settings  # as used: dt divides the sampling period
+    servo: ServoName
+    feed_forward: bool  # whether servos were told more than the planned joint angles
+    command_clipped_deg: float  # by how much a joint limit cuts a command at most
+    command_clipped_joint: str | None
     fell: bool
     fall_time: float | None  # [s]
     distance: tuple[float, float]  # x, y [m]
@@ -63,7 +70,7 @@ class Replay:
     min_base_height: float  # [m]
     joint_error_rms_deg: float  # over all samples and joints
     joint_error_max_deg: float
-    torque_saturation: float  # longest time in a row that any joint is at its stall torque [s]
+    torque_saturation: float  # longest time in a row that any servo is at its limit [s]
     torque_saturation_joint: str | None
     torque_saturation_time: float | None  # when that time was over [s]
     torque_rms: dict[str, float]  # by joint [N m]
@@ -87,6 +94,9 @@ def replay(
     engine: EngineName,
     settings: Settings | None = None,
     progress: Progress | None = None,
+    *,
+    servo: ServoName = "ideal",
+    feed_forward: bool | None = None,
 ) -> Replay:
     """Execute a motion open loop in a physics engine.
 
@@ -95,24 +105,49 @@ def replay(
         engine: "pybullet" or "mujoco".
         settings: None for the engine's defaults.
         progress: called with samples done and samples in all.
+        servo: "ideal", or "model" for those that robot.yaml describes.
+        feed_forward: whether servos are told the commands of `mgs.servos.servo_commands` rather
+            than the planned joint angles; None: modelled ones are.
 
     Raises:
         SimulationError: the engine is missing, has loaded another robot or diverged.
+        ConfigError: robot.yaml gives a servo no stiffness.
     """
     started = time.perf_counter()
     require(engine)
+    if servo not in SERVOS:
+        raise SimulationError(f"no servo {servo!r}; there are: {', '.join(SERVOS)}")
+    servos = servos_of(motion.robot) if servo == "model" else None
+    feed_forward = servo == "model" if feed_forward is None else feed_forward
+    commands = servo_commands(motion) if feed_forward else None
     settings = _divide(settings or DEFAULTS[engine], motion.dt)
-    simulator = make_engine(engine, motion.robot, settings)
+    simulator = make_engine(engine, motion.robot, settings, servo)
     try:
         version = simulator.version
-        recording = play(motion, simulator, settings, progress)
+        recording = play(motion, simulator, settings, progress, servos, commands)
     finally:
         simulator.close()
     figures = _figures(motion, recording)
     wall_seconds = time.perf_counter() - started
     return Replay(
-        engine=engine, version=version, settings=settings, wall_seconds=wall_seconds, **figures
+        engine=engine,
+        version=version,
+        settings=settings,
+        servo=servo,
+        feed_forward=feed_forward,
+        wall_seconds=wall_seconds,
+        **_clip_figures(motion, commands),
+        **figures,
     )
+
+
+def _clip_figures(motion: Motion, commands: Commands | None) -> dict[str, Any]:
+    clipped = np.zeros(motion.robot.n) if commands is None else commands.clipped
+    worst = int(clipped.argmax())
+    return {
+        "command_clipped_deg": float(np.degrees(clipped[worst])),
+        "command_clipped_joint": motion.robot.joint_names[worst] if clipped[worst] else None,
+    }
 
 
 def _divide(settings: Settings, period: float) -> Settings:

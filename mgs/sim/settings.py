@@ -7,6 +7,8 @@ from typing import Literal
 
 EngineName = Literal["pybullet", "mujoco"]
 ENGINES: tuple[EngineName, ...] = ("pybullet", "mujoco")
+ServoName = Literal["ideal", "model"]
+SERVOS: tuple[ServoName, ...] = ("ideal", "model")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from pathlib import Path
 from typing import Any
@@ -9,13 +10,15 @@ from typing import Any
 import pytest
 
 from mgs.checks import check_motion
-from mgs.motion_file import read_motion
+from mgs.motion_file import read_motion, write_motion
+from mgs.robot import build_robot
 from mgs.sim import available_engines
 from tests.cli.run import files_below, run, run_process
 
 CHECK_KEYS = {"name", "ok", "value", "limit", "unit", "time", "where"}
 REPLAY_KEYS = {
     *("engine", "fell", "fall_time", "distance", "planned_distance", "yaw_error_deg"),
+    *("servo", "feed_forward", "command_clipped_deg", "command_clipped_joint"),
     *("max_tilt_deg", "joint_error_rms_deg", "torque_saturation", "sole_slip_max", "wall_seconds"),
 }
 ENGINES = available_engines()
@@ -175,6 +178,65 @@ def test_bad_settings_of_a_replay_are_usage_errors(walk_file: Path, options: tup
     result = run("replay", walk_file, *options)
     assert (result.exit_code, result.stdout) == (2, "")
     assert options[0] in result.stderr
+
+
+# --- servos -------------------------------------------------------------------------------------
+
+
+@needs_mujoco
+@pytest.mark.parametrize(
+    ("options", "servo", "feed_forward", "words"),
+    [
+        ((), "ideal", False, "ideal servos:"),
+        (("--servo", "ideal", "--no-feed-forward"), "ideal", False, "ideal servos:"),
+        (("--servo", "model"), "model", True, "modelled servos, feed-forward:"),
+        (("--servo", "model", "--feed-forward"), "model", True, "modelled servos, feed-forward:"),
+        (("--servo", "model", "--no-feed-forward"), "model", False, "modelled servos:"),
+    ],
+)
+def test_servos_are_those_asked_for_and_named(
+    walk_file: Path, options: tuple[str, ...], servo: str, feed_forward: bool, words: str
+):
+    result = run("replay", walk_file, "--engine", "mujoco", *options, "--json")
+    content = json.loads(result.stdout)
+    replayed(content)
+    assert (content["servo"], content["feed_forward"]) == (servo, feed_forward)
+    assert words in run("replay", walk_file, "--engine", "mujoco", *options).stdout
+
+
+@needs_mujoco
+def test_a_verdict_names_its_servos(walk_file: Path):
+    result = run("validate", walk_file, "--physics", "mujoco", "--servo", "model", "--json")
+    verdict = json.loads(result.stdout)
+    checked(verdict)
+    assert (result.exit_code, verdict["servo"], verdict["verdict"]) == (0, "model", "pass")
+    nothing = json.loads(run("validate", walk_file, "--physics", "none", "--json").stdout)
+    assert nothing["servo"] is None
+
+
+@pytest.mark.parametrize("command", ["validate", "replay"])
+@pytest.mark.parametrize("options", [("--feed-forward",), ("--servo", "ideal", "--feed-forward")])
+def test_feed_forward_is_for_modelled_servos(
+    walk_file: Path, command: str, options: tuple[str, ...]
+):
+    result = run(command, walk_file, *options)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "--feed-forward" in result.stderr
+    assert "--servo model" in result.stderr
+
+
+@pytest.mark.parametrize("command", ["validate", "replay"])
+def test_a_servo_without_stiffness_is_an_error_that_says_what_to_write(
+    walk_file: Path, tmp_path: Path, command: str
+):
+    motion = read_motion(walk_file)
+    text = motion.robot.yaml.replace("compliance_slope: 32, ", "")
+    bare = dataclasses.replace(motion, robot=build_robot(text, motion.robot.urdf, "bare"))
+    write_motion(bare, tmp_path / "bare.mcap")
+    result = run(command, tmp_path / "bare.mcap", "--servo", "model")
+    assert (result.exit_code, result.stdout) == (2, "")
+    for words in ("bare.mcap: robot.yaml: servos.RX-28: ", "give stiffness", "compliance_slope"):
+        assert words in result.stderr
 
 
 # --- motion files that are none ----------------------------------------------------------------

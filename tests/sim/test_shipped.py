@@ -34,3 +34,10 @@ def test_a_shipped_gait_passes_at_other_solver_settings_too(shipped, engine_name
     result = replay(shipped.stages.motion, engine_name, settings)
     assert [check.name for check in replay_checks(result) if not check.ok] == []
     assert result.max_tilt_deg < 5.0
+
+
+@pytest.mark.slow
+def test_a_shipped_walk_passes_with_the_servos_of_its_robot_too(shipped_walk, engine_name):
+    result = replay(shipped_walk.stages.motion, engine_name, servo="model")
+    assert [check.name for check in replay_checks(result) if not check.ok] == []
+    assert result.max_tilt_deg < 3.0

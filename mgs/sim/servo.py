@@ -1,0 +1,112 @@
+"""Servos with finite stiffness, speed and attention, stepped together with either engine.
+
+The law is that of mgs.servos, evaluated at the beginning of every physics step. Beside the torque
+it gives the speed at which that torque would be zero: a motor pushes towards this speed and not
+past it. An engine that lets the torque stop there has the damping right however light the link.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mgs.servos import Servos
+
+Array = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+AT_LIMIT = 1e-3  # of the stall torque: so near the speed-torque line a servo is at its limit
+
+
+class JointState(NamedTuple):
+    """Joints at the end of a physics step, and what was done to them in it."""
+
+    position: Array  # (n,) [rad]
+    velocity: Array  # (n,) [rad/s]
+    torque: Array  # (n,) [N m]
+
+
+class Pushed(Protocol):
+    """The part of an engine that modelled servos need."""
+
+    def joints(self) -> JointState:
+        """Current state of the joints."""
+
+    def push(self, torque: Array, free_speed: Array) -> JointState:
+        """Make one step with torques (n,) [N m] that would be zero at free_speed (n,) [rad/s]."""
+
+
+class ServoModel:
+    """The servos of one robot in one replay."""
+
+    def __init__(self, servos: Servos, dt: float) -> None:
+        """Prepare for physics steps of dt [s]; latencies become whole steps."""
+        self._servos = servos
+        self.delay = np.rint(servos.latency / dt).astype(np.intp)  # (n,) [steps]
+        self._memory = int(self.delay.max(initial=0))
+        self._told: Array | None = None  # (memory, n) commands that are still under way
+
+    def drive(self, engine: Pushed, commands: Array) -> tuple[Array, Bools]:
+        """Make k steps under commands (k, n); returns torques (k, n) [N m] and which are limits."""
+        torques, limited = np.empty_like(commands), np.empty(commands.shape, dtype=np.bool_)
+        state = engine.joints()
+        for k, command in enumerate(self._delayed(commands)):
+            torque, free_speed, limited[k] = self.torque(command, state.position, state.velocity)
+            state = engine.push(torque, free_speed)
+            torques[k] = state.torque
+        return torques, limited
+
+    def _delayed(self, commands: Array) -> Array:
+        """What reaches the servos (k, n); before anything was told, they were told the first."""
+        if self._told is None:
+            self._told = np.repeat(commands[:1], self._memory, axis=0)
+        told = np.concatenate([self._told, commands])
+        self._told = told[len(told) - self._memory :]
+        now = np.arange(self._memory, len(told))
+        return np.asarray(told[now[:, None] - self.delay, np.arange(commands.shape[1])])
+
+    def torque(self, command: Array, q: Array, v: Array) -> tuple[Array, Array, Bools]:
+        """Torques, the speeds at which they vanish, and which are limits; all (n,).
+
+        Args:
+            command: (n,) [rad].
+            q: joint angles (n,) [rad].
+            v: joint speeds (n,) [rad/s].
+        """
+        s = self._servos
+        drive = self._drive(self._in_ticks(command) - self._in_ticks(q))
+        wanted = drive - s.damping * v
+        most = s.stall_torque * np.minimum(1.0, 1.0 - v / s.no_load_speed)
+        least = s.stall_torque * np.maximum(-1.0, -1.0 - v / s.no_load_speed)
+        motor = np.clip(wanted, least, most)
+        margin = AT_LIMIT * s.stall_torque
+        limited = (wanted >= most - margin) | (wanted <= least + margin)
+        torque = motor - s.friction(v)
+        free_speed = self._free_speed(drive)
+        free_speed = np.where(torque > 0.0, np.maximum(free_speed, v), np.minimum(free_speed, v))
+        return torque, free_speed, limited
+
+    def _in_ticks(self, angle: Array) -> Array:
+        tick = self._servos.resolution
+        rounded = np.rint(angle / np.where(tick > 0.0, tick, 1.0)) * tick
+        return np.where(tick > 0.0, rounded, angle)
+
+    def _drive(self, error: Array) -> Array:
+        s = self._servos
+        beyond = np.abs(error) - s.deadband
+        # a whole number of ticks equals the deadband only up to rounding
+        drive = np.where(beyond > 1e-9, s.stiffness * beyond + s.punch, 0.0)
+        return np.asarray(np.sign(error) * drive)
+
+    def _free_speed(self, drive: Array) -> Array:
+        """Speed (n,) at which nothing is left of a drive (n,), on its own or at the line."""
+        s = self._servos
+        least = 1e-9  # [N m s/rad]: damping may be 0, then the line ends it
+        by_damping = (np.abs(drive) - s.coulomb_friction) / np.maximum(
+            s.damping + s.viscous_friction, least
+        )
+        line = s.stall_torque / s.no_load_speed
+        by_line = (s.stall_torque - s.coulomb_friction) / (line + s.viscous_friction)
+        return np.asarray(np.sign(drive) * np.maximum(np.minimum(by_damping, by_line), 0.0))
