@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mgs.checks import Check
+from mgs.errors import DivergenceError
 from mgs.motion import Motion
 from mgs.sim import EngineName, ServoName, replay
 from mgs.sim.conditions import RANGES, Ranges, draw
@@ -109,7 +110,7 @@ def monte_carlo(
         progress: called with draws done and draws in all.
 
     Raises:
-        SimulationError: the engine is missing or a simulation diverged.
+        SimulationError: the engine is missing. A draw whose simulation diverges has not survived.
     """
     jobs = [(motion, engine, servo, RANGES[ranges], seed, number) for number in range(n)]
     done: list[Draw] = []
@@ -196,7 +197,12 @@ def _one_of_adopted(job: tuple[EngineName, ServoName, Ranges, int, int]) -> Draw
 def _one(job: Job) -> Draw:
     motion, engine, servo, ranges, seed, number = job
     conditions = draw(motion, ranges, seed, number)
-    result = replay(motion, engine, servo=servo, conditions=conditions)
+    try:
+        result = replay(motion, engine, servo=servo, conditions=conditions)
+    except DivergenceError:
+        return Draw(
+            number, engine, False, (f"{engine}_diverged",), None, 180.0, conditions.figures()
+        )
     return Draw(
         number=number,
         engine=engine,

@@ -15,7 +15,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from mgs.contact import Side
-from mgs.errors import SimulationError
+from mgs.errors import DivergenceError
 from mgs.geometry import sole_corners
 from mgs.motion import Motion
 from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
@@ -66,7 +66,7 @@ def play(
         conditions: late and offset commands; None for neither.
 
     Raises:
-        SimulationError: the simulation diverged.
+        DivergenceError: the simulation diverged.
     """
     robot, n_steps = motion.robot, round(motion.dt / settings.dt)
     plan = np.arange(motion.n_samples + round(settings.tail / motion.dt))
@@ -124,7 +124,7 @@ def _disturbed(drive: Drive, conditions: Conditions, dt: float) -> Drive:
 def _read(engine: Engine, t: float) -> Array:
     q = engine.read()
     if not np.isfinite(q).all():
-        raise SimulationError(f"the simulation diverged at t = {t:.3f} s; try a smaller step")
+        raise DivergenceError(f"the simulation diverged at t = {t:.3f} s; try a smaller step")
     return q
 
 
