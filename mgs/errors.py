@@ -9,6 +9,7 @@ MgsError                     exit code 1: the work could not be done
 │   ├── IkError              a task is missed
 │   └── JointLimitError      a joint would leave its range
 ├── SimulationError          an engine is missing, or its model differs from ours
+│   └── DivergenceError      the simulation left the realm of numbers
 └── OutputExistsError        a file is in the way
 """
 
@@ -107,6 +108,10 @@ class JointLimitError(InfeasibleGaitError):
 
 class SimulationError(MgsError):
     """A physics engine is missing, or its model of the robot differs from Pinocchio's."""
+
+
+class DivergenceError(SimulationError):
+    """A simulation has left the realm of numbers."""
 
 
 class OutputExistsError(MgsError):

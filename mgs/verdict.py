@@ -28,6 +28,7 @@ class Verdict:
     file: str
     checks: tuple[Check, ...]  # static ones first, then those of each replay
     replays: tuple[Replay, ...]
+    monte_carlo: dict[str, object] | None = None  # as `mgs.robustness.summary` gives it
 
     @property
     def passed(self) -> bool:
@@ -48,14 +49,19 @@ class Verdict:
             "servo": self.servo,
             "physics": [replay.engine for replay in self.replays],  # empty: static checks alone
             "replays": [replay.to_json() for replay in self.replays],
-            "monte_carlo": None,
+            "monte_carlo": self.monte_carlo,
         }
 
 
-def judge(file: str, checks: list[Check], replays: list[Replay]) -> Verdict:
+def judge(
+    file: str,
+    checks: list[Check],
+    replays: list[Replay],
+    monte_carlo: dict[str, object] | None = None,
+) -> Verdict:
     """Verdict on a motion from its static checks and its replays."""
     physical = [check for replay in replays for check in replay_checks(replay)]
-    return Verdict(file, (*checks, *physical), tuple(replays))
+    return Verdict(file, (*checks, *physical), tuple(replays), monte_carlo)
 
 
 def replay_checks(replay: Replay) -> list[Check]:

@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from mgs.cli.common import FiniteRange, json_option, motion_argument, print_json, with_progress
+from mgs.cli.common import (
+    FiniteRange,
+    ProgressBar,
+    json_option,
+    motion_argument,
+    print_json,
+    with_progress,
+)
 from mgs.errors import ConfigError
 
 if TYPE_CHECKING:
     from mgs.checks import Check
     from mgs.motion import Motion
+    from mgs.robustness import Robustness
     from mgs.sim import EngineName, Replay, ServoName, Settings
+    from mgs.sim.conditions import Conditions
 
 servo_option = click.option(
     "--servo", type=click.Choice(["ideal", "model"]), default="ideal",
@@ -33,6 +42,20 @@ feed_forward_option = click.option(
 )  # fmt: skip
 @servo_option
 @feed_forward_option
+@click.option(
+    "--monte-carlo", "n_draws", metavar="N", type=click.IntRange(1, 100_000),
+    help="Also replay N times with robot, servos and floor not quite as planned.",
+)  # fmt: skip
+@click.option(
+    "--ranges", type=click.Choice(["wide", "lab"]), default="wide",
+    help="How far they stray; lab: half as far as wide. Default: wide.",
+)  # fmt: skip
+@click.option("--seed", type=click.IntRange(0), default=0, help="Of the draws. Default: 0.")
+@click.option("--workers", type=click.IntRange(1, 1024), default=1, help="Processes. Default: 1.")
+@click.option(
+    "--sample", metavar="K", type=click.IntRange(0),
+    help="Replay draw K alone instead of the plan's conditions.",
+)  # fmt: skip
 @json_option
 @click.pass_context
 def validate(
@@ -41,21 +64,32 @@ def validate(
     physics: str | None,
     servo: ServoName,
     feed_forward: bool | None,
+    n_draws: int | None,
+    ranges: str,
+    seed: int,
+    workers: int,
+    sample: int | None,
     as_json: bool,
 ) -> None:
     """Judge a motion: static checks and an open-loop replay in physics.
 
-    Exit code 0 when nothing fails, 1 when anything does.
+    With --monte-carlo at least 95 % of the draws have to survive: friction, slope, bumps, masses,
+    CoM, servo gains, supply, latency and joint zeros differ from the plan's. Exit code 0 when
+    nothing fails, 1 when anything does.
 
     \b
     Examples:
       mgs validate walk.mcap
       mgs validate walk.mcap --physics none --json
       mgs validate walk.mcap --servo model
+      mgs validate walk.mcap --monte-carlo 200 --ranges wide --workers 4
+      mgs validate walk.mcap --sample 17
     """  # noqa: D301
     from mgs.checks import check_motion
     from mgs.motion_file import read_motion
+    from mgs.robustness import summary, survival_check
     from mgs.servos import servos_of
+    from mgs.sim.conditions import RANGES, draw
     from mgs.verdict import judge
 
     engines = _engines(physics)
@@ -64,8 +98,14 @@ def validate(
     if servo == "model":
         servos_of(motion.robot)  # before the checks take their time
     checks = with_progress("static checks", lambda bar: check_motion(motion, bar))
-    replays = [_replay(motion, engine, None, servo, feed_forward) for engine in engines]
-    verdict = judge(str(file), checks, replays)
+    conditions = None if sample is None else draw(motion, RANGES[ranges], seed, sample)
+    replays = [_replay(motion, engine, None, servo, feed_forward, conditions) for engine in engines]
+    found = []
+    if n_draws is not None:
+        options = {"n": n_draws, "seed": seed, "ranges": ranges, "servo": servo, "workers": workers}
+        found = [_monte_carlo(motion, engine, options) for engine in engines]
+    checks += [survival_check(result) for result in found]
+    verdict = judge(str(file), checks, replays, summary(found))
     if as_json:
         print_json(verdict.to_dict())
     else:
@@ -73,6 +113,8 @@ def validate(
             click.echo(_line(check))
         for replay in replays:
             click.echo(_sentence(replay))
+        for result in found:
+            click.echo(_survival(result))
         if not engines:
             click.echo("no physics: nothing is said about falling")
         failed = [check.name for check in verdict.checks if not check.ok]
@@ -160,12 +202,21 @@ def _replay(
     settings: Settings | None,
     servo: ServoName,
     feed_forward: bool | None,
+    conditions: Conditions | None = None,
 ) -> Replay:
     from mgs.sim import replay as run
 
     return with_progress(
         engine,
-        lambda bar: run(motion, engine, settings, bar, servo=servo, feed_forward=feed_forward),
+        lambda bar: run(
+            motion,
+            engine,
+            settings,
+            bar,
+            servo=servo,
+            feed_forward=feed_forward,
+            conditions=conditions,
+        ),
     )
 
 
@@ -175,6 +226,29 @@ def _line(check: Check) -> str:
     where = f"  {check.where}" if check.where else ""
     figure = f"{check.value:.4g} {check.unit} (limit {check.limit:.4g})"
     return f"{mark} {check.name:22s} {figure}{time}{where}"
+
+
+def _monte_carlo(motion: Motion, engine: EngineName, options: dict[str, Any]) -> Robustness:
+    from mgs.robustness import monte_carlo
+
+    def work(bar: ProgressBar) -> Robustness:
+        return monte_carlo(motion, engine, progress=bar, **options)
+
+    return with_progress(f"{engine}, {options['n']} draws", work)
+
+
+def _survival(found: Robustness) -> str:
+    figures = found.to_dict()
+    low, high = found.interval
+    text = (
+        f"{found.engine}, {found.servo} servos, ranges {found.ranges}, seed {found.seed}: "
+        f"{found.survived} of {found.n} draws survive, 95 % interval {low:.3f} to {high:.3f}"
+    )
+    worst = figures["offenders"]
+    if isinstance(worst, list) and worst:
+        told = (f"{o['parameter']} ({o['probability']:.2f})" for o in worst[:3])
+        text += f"; falls go with {', '.join(told)}"
+    return text
 
 
 def _sentence(replay: Replay) -> str:

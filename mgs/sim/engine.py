@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from mgs.errors import SimulationError
 from mgs.robot import Robot
 from mgs.sim.audit import EngineModel, audit
+from mgs.sim.conditions import Conditions
 from mgs.sim.servo import JointState
 from mgs.sim.settings import ENGINES, EngineName, ServoName, Settings
 
@@ -64,15 +65,21 @@ def available_engines() -> tuple[EngineName, ...]:
 
 
 def make_engine(
-    name: EngineName, robot: Robot, settings: Settings, servo: ServoName = "ideal"
+    name: EngineName,
+    robot: Robot,
+    settings: Settings,
+    servo: ServoName = "ideal",
+    conditions: Conditions | None = None,
 ) -> Engine:
     """Engine with the robot loaded, its model proven equal to Pinocchio's.
+
+    Of `conditions` floor and servo gains are the engine's part; the robot is given as disturbed.
 
     Raises:
         SimulationError: the engine is unknown or not installed, or the models differ.
     """
     require(name)
-    engine = _load(name, robot, settings, servo)
+    engine = _load(name, robot, settings, servo, conditions)
     try:
         audit(engine, robot, name)
     except SimulationError:
@@ -91,11 +98,17 @@ def require(name: EngineName) -> None:
         )
 
 
-def _load(name: EngineName, robot: Robot, settings: Settings, servo: ServoName) -> Engine:
+def _load(
+    name: EngineName,
+    robot: Robot,
+    settings: Settings,
+    servo: ServoName,
+    conditions: Conditions | None,
+) -> Engine:
     if name == "pybullet":
         from mgs.sim.pybullet import PybulletEngine
 
-        return PybulletEngine(robot, settings, servo)
+        return PybulletEngine(robot, settings, servo, conditions)
     from mgs.sim.mujoco import MujocoEngine
 
-    return MujocoEngine(robot, settings, servo)
+    return MujocoEngine(robot, settings, servo, conditions)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from mgs.robot import FLOATING_BASE_NQ, Robot
 from mgs.sim.audit import EngineModel
+from mgs.sim.conditions import BUMP_SIZE, Conditions, gravity_on_slope
 from mgs.sim.model import link_name, simulation_urdf
 from mgs.sim.servo import JointState
 from mgs.sim.settings import ServoName, Settings
@@ -25,12 +26,19 @@ GRAVITY = 9.81  # [m/s^2]
 class MujocoEngine:
     """One robot on a plane."""
 
-    def __init__(self, robot: Robot, settings: Settings, servo: ServoName = "ideal") -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        settings: Settings,
+        servo: ServoName = "ideal",
+        conditions: Conditions | None = None,
+    ) -> None:
         """Compile the model."""
         import mujoco
 
         self._mj: Any = mujoco
         self._robot, self._settings, self._servo = robot, settings, servo
+        self._conditions = conditions
         self._former_handler = mujoco.get_mju_user_warning()
         # MuJoCo would write MUJOCO_LOG.TXT where the user stands; `read` looks at its counters
         mujoco.set_mju_user_warning(lambda _: None)
@@ -128,7 +136,8 @@ class MujocoEngine:
         option = spec.option
         option.timestep = settings.dt
         option.iterations = settings.iterations
-        option.gravity = [0.0, 0.0, -GRAVITY]
+        slope = np.zeros(2) if self._conditions is None else self._conditions.slope
+        option.gravity = gravity_on_slope(slope, GRAVITY).tolist()
         option.integrator = mj.mjtIntegrator.mjINT_IMPLICITFAST
         option.cone = mj.mjtCone.mjCONE_ELLIPTIC
         option.impratio = IMPRATIO
@@ -145,6 +154,16 @@ class MujocoEngine:
             friction=[settings.friction, 0.0, 0.0],  # a pair has the larger one
             solref=[max(CONTACT_TIME, 2.0 * settings.dt), 1.0],  # a pair has the mean
         )
+        for x, y, height in [] if self._conditions is None else self._conditions.bumps:
+            spec.worldbody.add_geom(
+                type=mj.mjtGeom.mjGEOM_BOX,
+                pos=[x, y, 0.5 * height],
+                size=[0.5 * BUMP_SIZE, 0.5 * BUMP_SIZE, 0.5 * height],
+                contype=0,
+                conaffinity=1,
+                friction=[settings.friction, 0.0, 0.0],
+                solref=[max(CONTACT_TIME, 2.0 * settings.dt), 1.0],
+            )
         for i in range(self._robot.n):
             self._add_servo(spec, i)
         return spec.compile()
@@ -156,6 +175,7 @@ class MujocoEngine:
         # MuJoCo's contacts give way in proportion to 1 / inertia: feet without rotor inertia creep
         joint.armature = float(robot.armature[i]) or stall / ROTOR_ACCELERATION
         kp = stall * settings.stiffness if self._servo == "ideal" else 0.0  # 0: pushed from outside
+        kp *= 1.0 if self._conditions is None else float(self._conditions.gain[i])
         actuator = spec.add_actuator(
             name=joint.name,
             target=joint.name,

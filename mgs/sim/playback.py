@@ -15,11 +15,12 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from mgs.contact import Side
-from mgs.errors import SimulationError
+from mgs.errors import DivergenceError
 from mgs.geometry import sole_corners
 from mgs.motion import Motion
 from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
 from mgs.servos import Commands, Servos
+from mgs.sim.conditions import Conditions
 from mgs.sim.effort import Effort
 from mgs.sim.engine import Engine
 from mgs.sim.measure import angle_between
@@ -51,6 +52,7 @@ def play(
     progress: Progress | None = None,
     servos: Servos | None = None,
     commands: Commands | None = None,
+    conditions: Conditions | None = None,
 ) -> Recording:
     """Settle, play and hold; ends early, some time after a fall. `settings.dt` divides `motion.dt`.
 
@@ -61,14 +63,17 @@ def play(
         progress: called with samples done and samples in all.
         servos: modelled servos; None for the engine's ideal ones.
         commands: what servos are told; None for the planned joint angles.
+        conditions: late and offset commands; None for neither.
 
     Raises:
-        SimulationError: the simulation diverged.
+        DivergenceError: the simulation diverged.
     """
     robot, n_steps = motion.robot, round(motion.dt / settings.dt)
     plan = np.arange(motion.n_samples + round(settings.tail / motion.dt))
     plan = np.minimum(plan, motion.n_samples - 1)
     drive = _driver(engine, settings, servos)
+    if conditions is not None:
+        drive = _disturbed(drive, conditions, settings.dt)
     effort, targets = Effort(robot.torque_limit, settings.dt), Targets(motion, n_steps, commands)
     engine.place(on_ground(robot, motion.q[0]))
     torque = np.zeros((n_steps, robot.n))
@@ -101,10 +106,25 @@ def _driver(engine: Engine, settings: Settings, servos: Servos | None) -> Drive:
     return lambda position, velocity: model.drive(engine, position)
 
 
+def _disturbed(drive: Drive, conditions: Conditions, dt: float) -> Drive:
+    """A drive whose commands arrive late, in whole steps, and with the joints' zeros off."""
+    late = round(conditions.latency / dt)
+    told: list[Array] = []  # positions and velocities (late, 2, n) that are under way
+
+    def disturbed(position: Array, velocity: Array) -> tuple[Array, NDArray[np.bool_] | None]:
+        rows = np.stack([position + conditions.joint_offset, velocity], axis=1)
+        before = told.pop() if told else np.repeat(rows[:1], late, axis=0)
+        rows = np.concatenate([before, rows])
+        told.append(rows[len(rows) - late :])
+        return drive(rows[: len(position), 0], rows[: len(position), 1])
+
+    return disturbed
+
+
 def _read(engine: Engine, t: float) -> Array:
     q = engine.read()
     if not np.isfinite(q).all():
-        raise SimulationError(f"the simulation diverged at t = {t:.3f} s; try a smaller step")
+        raise DivergenceError(f"the simulation diverged at t = {t:.3f} s; try a smaller step")
     return q
 
 

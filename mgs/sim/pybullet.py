@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
 from mgs.sim.audit import EngineModel
+from mgs.sim.conditions import BUMP_SIZE, Conditions, gravity_on_slope
 from mgs.sim.model import simulation_urdf
 from mgs.sim.servo import JointState
 from mgs.sim.settings import ServoName, Settings
@@ -32,14 +33,22 @@ class PybulletEngine:
     PyBullet has no rotor inertia: `Robot.armature` is left out here, unlike in MuJoCo.
     """
 
-    def __init__(self, robot: Robot, settings: Settings, servo: ServoName = "ideal") -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        settings: Settings,
+        servo: ServoName = "ideal",
+        conditions: Conditions | None = None,
+    ) -> None:
         """Connect and load; `servo` makes no difference here, motors do as each step says."""
         import pybullet
 
         self._p: Any = pybullet
         del servo
         self._robot, self._settings = robot, settings
-        self._stiffness = settings.stiffness * robot.torque_limit  # (n,) [N m/rad]
+        self._conditions = conditions
+        gain = 1.0 if conditions is None else conditions.gain
+        self._stiffness = settings.stiffness * robot.torque_limit * gain  # (n,) [N m/rad]
         self._yield, self._torque = np.zeros(robot.n), np.zeros(robot.n)  # [rad], [N m]
         self._client = pybullet.connect(pybullet.DIRECT)
         self._configure()
@@ -170,7 +179,8 @@ class PybulletEngine:
 
     def _configure(self) -> None:
         p, client = self._p, self._client
-        p.setGravity(0.0, 0.0, -GRAVITY, physicsClientId=client)
+        slope = np.zeros(2) if self._conditions is None else self._conditions.slope
+        p.setGravity(*gravity_on_slope(slope, GRAVITY).tolist(), physicsClientId=client)
         p.setPhysicsEngineParameter(
             fixedTimeStep=self._settings.dt,
             numSolverIterations=self._settings.iterations,
@@ -185,9 +195,16 @@ class PybulletEngine:
     def _add_ground(self) -> None:
         p, client = self._p, self._client
         shape = p.createCollisionShape(p.GEOM_PLANE, physicsClientId=client)
-        ground = p.createMultiBody(0.0, shape, physicsClientId=client)
-        # the friction of a pair is the product: all of it is in the robot's links
-        p.changeDynamics(ground, BASE, lateralFriction=1.0, restitution=0.0, physicsClientId=client)
+        grounds = [p.createMultiBody(0.0, shape, physicsClientId=client)]
+        for x, y, height in [] if self._conditions is None else self._conditions.bumps.tolist():
+            size = [0.5 * BUMP_SIZE, 0.5 * BUMP_SIZE, 0.5 * height]
+            box = p.createCollisionShape(p.GEOM_BOX, halfExtents=size, physicsClientId=client)
+            at = [x, y, 0.5 * height]
+            grounds.append(p.createMultiBody(0.0, box, basePosition=at, physicsClientId=client))
+        for ground in grounds:  # the friction of a pair is the product: all is in the robot's links
+            p.changeDynamics(
+                ground, BASE, lateralFriction=1.0, restitution=0.0, physicsClientId=client
+            )
 
     def _load_robot(self) -> int:
         p = self._p

@@ -24,6 +24,7 @@ from mgs.geometry import wrap_angle
 from mgs.motion import Motion
 from mgs.robot import FLOATING_BASE_NQ
 from mgs.servos import Commands, servo_commands, servos_of
+from mgs.sim.conditions import Conditions, disturbed
 from mgs.sim.engine import make_engine, require
 from mgs.sim.measure import angle_between, largest_slip, travel
 from mgs.sim.playback import Progress, Recording, fallen, play, poses_along
@@ -97,6 +98,7 @@ def replay(
     *,
     servo: ServoName = "ideal",
     feed_forward: bool | None = None,
+    conditions: Conditions | None = None,
 ) -> Replay:
     """Execute a motion open loop in a physics engine.
 
@@ -108,6 +110,7 @@ def replay(
         servo: "ideal", or "model" for those that robot.yaml describes.
         feed_forward: whether servos are told the commands of `mgs.servos.servo_commands` rather
             than the planned joint angles; None: modelled ones are.
+        conditions: how robot, servos and floor differ from the plan's; None: not at all.
 
     Raises:
         SimulationError: the engine is missing, has loaded another robot or diverged.
@@ -117,14 +120,20 @@ def replay(
     require(engine)
     if servo not in SERVOS:
         raise SimulationError(f"no servo {servo!r}; there are: {', '.join(SERVOS)}")
-    servos = servos_of(motion.robot) if servo == "model" else None
+    settings = _divide(settings or DEFAULTS[engine], motion.dt)
+    robot = motion.robot
+    if conditions is not None:
+        robot = disturbed(robot, conditions)
+        settings = dataclasses.replace(settings, friction=conditions.friction)
+    servos = servos_of(robot) if servo == "model" else None
+    if servos is not None and conditions is not None:
+        servos = dataclasses.replace(servos, stiffness=conditions.gain * servos.stiffness)
     feed_forward = servo == "model" if feed_forward is None else feed_forward
     commands = servo_commands(motion) if feed_forward else None
-    settings = _divide(settings or DEFAULTS[engine], motion.dt)
-    simulator = make_engine(engine, motion.robot, settings, servo)
+    simulator = make_engine(engine, robot, settings, servo, conditions)
     try:
         version = simulator.version
-        recording = play(motion, simulator, settings, progress, servos, commands)
+        recording = play(motion, simulator, settings, progress, servos, commands, conditions)
     finally:
         simulator.close()
     figures = _figures(motion, recording)
