@@ -112,6 +112,7 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
             "gamma_joint": 0.35,
             "gamma_grav": 0.0,
             "gamma_grav_ramp": 0.2,
+            "double_support": "shared",
             "iterations": None,
             "on_limit": "refuse",
             "faraji": {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from mgs.config import Model
 
@@ -14,6 +14,14 @@ PartName = Literal["soles", "torso", "com", "com_xy", "com_z", "hands"]
 SolverName = Literal[
     "clik", "ik1", "ik2", "ik3", "ik4", "ik5", "prioritized", "prioritized-acceleration"
 ]
+
+
+def _off_of_yaml(value: object) -> object:
+    """YAML 1.1 reads an unquoted off as false."""
+    return "off" if value is False else value
+
+
+SharingName = Annotated[Literal["off", "shared", "optimal"], BeforeValidator(_off_of_yaml)]
 
 
 class FarajiParameters(Model):
@@ -117,6 +125,12 @@ class IkParameters(Model):
         ge=1e-4,
         le=10.0,
         description="clik: time over which gamma_grav falls before double support [s].",
+    )
+    double_support: SharingName = Field(
+        "shared",
+        description="clik, trajectory: how two soles share the weight in the gravity task; off: "
+        "gamma_grav is 0 in double support; shared: as the ZMP is shared; optimal: with the least "
+        "torque inside friction and sole limits.",
     )
     iterations: int | None = Field(
         None,

@@ -33,7 +33,7 @@ class TreeTasks:
         J: (15, n) task Jacobian in the tree's joint order; rows in the world frame.
         f: (12,) positions of swing sole, right hand, left hand and CoM [m].
         R: (3, 3) rotation of the swing sole.
-        order: (n,) joints of the robot in the order of the tree.
+        order: (n,) joints of the robot in the order of the tree, from the root outward.
     """
 
     def __init__(
@@ -49,10 +49,13 @@ class TreeTasks:
         self._com_root = np.zeros(3)  # share of the root link in the CoM
         self._com = np.zeros(3)
         rows = zip((LEFT_HAND, RIGHT_HAND), hands_asked, strict=True)
-        self._free = [row for row, is_asked in rows if not is_asked]
+        self.free_rows = [row for row, is_asked in rows if not is_asked]
         self.J = np.zeros((N_TASKS, robot.n))
         self.f = np.zeros(12)
         self.R = np.eye(3)
+        chain = self.model.supports[self.model.frames[tree.swing_sole].parentJoint]
+        self.on_chain = np.zeros(robot.n)  # 1 for joints between the two soles
+        self.on_chain[[joint - 1 for joint in chain if joint > 0]] = 1.0
 
     def place(self, T_world_sole: pin.SE3) -> None:
         """Stand on a sole at this pose."""
@@ -79,14 +82,14 @@ class TreeTasks:
         J_right = pin.getFrameJacobian(model, data, right_hand, WORLD_ALIGNED)
         rows = (J_swing[:3], J_right[:3], J_left[:3], J_com, J_swing[3:])
         np.concatenate(rows, out=self.J)
-        for free in self._free:
+        for free in self.free_rows:
             self.J[free] = 0.0
 
     def error(self, positions: Array, R_ref: Array, out: Array) -> None:
         """Target minus actual (15,) for positions (12,) in the order of f and a rotation (3, 3)."""
         np.subtract(positions, self.f, out=out[:12])
         out[TURN] = pin.log3(np.dot(R_ref, self.R.T))
-        for free in self._free:
+        for free in self.free_rows:
             out[free] = 0.0
 
     def gravity(self, q: Array) -> tuple[Array, Array]:

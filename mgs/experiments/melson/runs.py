@@ -45,6 +45,7 @@ def solve(progress: Progress | None = None) -> Study:
             f"ik.gamma_joint={gamma_joint}",
             f"ik.gamma_grav={gamma_grav}",
             "ik.iterations=0",
+            "ik.double_support=off",  # as in the paper
         )
         done[name] = generate(robot, load_gait(gait, settings), gait)
         if progress is not None:
