@@ -12,7 +12,15 @@ Weight = Annotated[list[Annotated[float, Field(gt=0.0, le=1e6)]], Field(min_leng
 TaskName = Literal["soles", "torso", "com", "hands"]
 PartName = Literal["soles", "torso", "com", "com_xy", "com_z", "hands"]
 SolverName = Literal[
-    "clik", "ik1", "ik2", "ik3", "ik4", "ik5", "prioritized", "prioritized-acceleration"
+    "clik",
+    "ik1",
+    "ik2",
+    "ik3",
+    "ik4",
+    "ik5",
+    "prioritized",
+    "prioritized-acceleration",
+    "trajectory",
 ]
 
 
@@ -107,6 +115,32 @@ class PrioritizedParameters(Model):
         return self
 
 
+class TrajectoryParameters(Model):
+    """Null-space motion of the whole motion at once: weights of what is least in sum."""
+
+    start: Literal["free", "posture"] = Field(
+        "free",
+        description="free: begin in the best posture; posture: as close to half-sitting as clik.",
+    )
+    weight_joint: float = Field(0.35, ge=0.0, le=1e3, description="Weight of H_joint.")
+    weight_grav: float = Field(
+        1.6, ge=0.0, le=1e3, description="Weight of H_grav [1/(N m)^2], scaled as gamma_grav."
+    )
+    weight_acceleration: float = Field(
+        3e-5, gt=0.0, le=1e3, description="Weight of the squared joint accelerations [s^4/rad^2]."
+    )
+    weight_limit: float = Field(
+        0.01, ge=0.0, le=1e3, description="Weight of the barrier before the joint limits."
+    )
+    iterations: int = Field(20, ge=0, le=1000, description="At most.")
+    tolerance: float = Field(
+        1e-3,
+        ge=1e-12,
+        le=1.0,
+        description="Part of the objective that an iteration has to gain for another to follow.",
+    )
+
+
 class IkParameters(Model):
     """Inverse kinematics (stage 4)."""
 
@@ -144,3 +178,4 @@ class IkParameters(Model):
     )
     faraji: FarajiParameters = FarajiParameters()
     prioritized: PrioritizedParameters = PrioritizedParameters()
+    trajectory: TrajectoryParameters = TrajectoryParameters()

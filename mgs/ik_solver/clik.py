@@ -10,8 +10,8 @@ Melson paper). J has full row rank m < n, so that J^+ needs no SVD:
 
 The tree is rooted at the support sole. In the paper H_grav makes sense in single support only:
 gamma_grav falls linearly to zero before double support and rises after it. Where `double_support`
-says how two soles share the weight, tau holds throughout and gamma_grav stays on. W = s^2 I with s = 0.70 kg m / (M z_c),
-so that a gain means the same on every robot.
+says how two soles share the weight, tau holds throughout and gamma_grav stays on.
+W = s^2 I with s = 0.70 kg m / (M z_c), so that a gain means the same on every robot.
 """
 
 from __future__ import annotations

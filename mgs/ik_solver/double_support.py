@@ -180,7 +180,7 @@ def motion_cross(wrench: Array) -> Array:
 
 
 def contact_derivative(J: Array, C: Array) -> Array:
-    """d (J^T w)_j / dq_i as (..., n, n), first axis j, of J (..., 6, n) and C = motion_cross(w)."""
+    """Derivative of (J^T w)_j by q_i (..., n, n), first axis j; C = motion_cross(w)."""
     J_t = np.swapaxes(J, -1, -2)
     return np.asarray((J_t @ (C @ J)) * -_below_diagonal(J.shape[-1]))
 

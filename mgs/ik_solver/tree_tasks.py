@@ -53,9 +53,10 @@ class TreeTasks:
         self.J = np.zeros((N_TASKS, robot.n))
         self.f = np.zeros(12)
         self.R = np.eye(3)
-        chain = self.model.supports[self.model.frames[tree.swing_sole].parentJoint]
-        self.on_chain = np.zeros(robot.n)  # 1 for joints between the two soles
-        self.on_chain[[joint - 1 for joint in chain if joint > 0]] = 1.0
+        joints = self.model.supports[self.model.frames[tree.swing_sole].parentJoint]
+        self.chain = np.array([joint - 1 for joint in joints if joint > 0])  # between the soles
+        self.on_chain = np.zeros(robot.n)  # 1 for those joints
+        self.on_chain[self.chain] = 1.0
 
     def place(self, T_world_sole: pin.SE3) -> None:
         """Stand on a sole at this pose."""
@@ -84,6 +85,18 @@ class TreeTasks:
         np.concatenate(rows, out=self.J)
         for free in self.free_rows:
             self.J[free] = 0.0
+
+    def values(self, q: Array, f: Array, R: Array) -> None:
+        """Write positions (12,) and swing sole rotation (3, 3) at q (n,); J, f and R stay."""
+        model, data, tree = self.model, self.data, self.tree
+        com = pin.centerOfMass(model, data, q, False)  # also places joints
+        swing = pin.updateFramePlacement(model, data, tree.swing_sole)
+        f[SWING] = swing.translation
+        f[RIGHT_HAND] = pin.updateFramePlacement(model, data, tree.hands[1]).translation
+        f[LEFT_HAND] = pin.updateFramePlacement(model, data, tree.hands[0]).translation
+        np.multiply(com, self._com_scale, out=f[COM])
+        f[COM] += self._com_root
+        R[:] = swing.rotation
 
     def error(self, positions: Array, R_ref: Array, out: Array) -> None:
         """Target minus actual (15,) for positions (12,) in the order of f and a rotation (3, 3)."""
