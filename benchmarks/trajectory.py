@@ -12,7 +12,7 @@ left out. `trajectory` may begin in another posture than the closed-loop IK, or 
 Torques are those of inverse dynamics. The time is that of the processor in stage 4, the
 best of some runs.
 
-    python benchmarks/trajectory.py
+    python benchmarks/trajectory.py [squat]
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ balance:
     - {task: com_z, wave: sine, amplitude: 0.03, frequency: 1.0}
 """
 GAMMA_JOINT, GAMMA_GRAV = 0.35, 1.6
-MULTIPLES = (1, 2, 5, 10, 20, 40)
+MULTIPLES = (1, 5, 10, 15, 20, 30)
 RUNS = 3
 
 
@@ -111,9 +111,8 @@ def solvers() -> dict[str, tuple[str, ...]]:
     return names
 
 
-def measure(robot: Robot, gait: Gait, name: str, runs: int) -> Row:
+def measure(robot: Robot, stages: Stages, name: str) -> Row:
     """Figures of one run, its time the best of several."""
-    stages = generate(robot, gait)
     motion, q = stages.motion, stages.joints.angles
     room = np.minimum(q - robot.lower, robot.upper - q)
     misses = (
@@ -129,14 +128,14 @@ def measure(robot: Robot, gait: Gait, name: str, runs: int) -> Row:
         float(np.sqrt(np.mean(np.diff(q, 3, axis=0) ** 2)) / motion.dt**3),
         float(np.degrees(room.min())),
         max(float(np.linalg.norm(miss, axis=-1).max()) for miss in misses),
-        min(_solve_time(robot, stages, gait) for _ in range(runs)) / len(q),
+        min(_solve_time(robot, stages) for _ in range(RUNS)) / len(q),
     )
 
 
-def _solve_time(robot: Robot, stages: Stages, gait: Gait) -> float:
+def _solve_time(robot: Robot, stages: Stages) -> float:
     """Processor time of stage 4 [s]."""
     start = time.process_time()
-    solve_ik(robot, stages.tasks, stages.com, gait.ik)
+    solve_ik(robot, stages.tasks, stages.com, stages.motion.gait.ik)
     return time.process_time() - start
 
 
@@ -146,29 +145,31 @@ def cost_of(robot: Robot, stages: Stages) -> float:
     return problem.cost(stages.joints.angles)
 
 
-def table(robot: Robot, gait: str, runs: int) -> list[Row]:
+def table(robot: Robot, gait: str) -> list[Row]:
     """Rows of one motion: the paper's scheme, the best multiples of either, and `trajectory`."""
-    rows: dict[str, Row] = {}
+    runs: dict[str, Stages] = {}
     for name, settings in solvers().items():
         try:
-            rows[name] = measure(robot, gait_with(gait, *settings), name, runs)
+            runs[name] = generate(robot, gait_with(gait, *settings))
         except MgsError as error:
             sys.stderr.write(f"{name}: {error}\n")
-    paper = next(iter(rows))
-    costs = {name: row.cost for name, row in rows.items()}
+    costs = {name: cost_of(robot, stages) for name, stages in runs.items()}
+    closed_loop = [name for name in runs if name.startswith("clik")]
     best = [
-        min((n for n in rows if n.startswith("clik") and n.endswith(end)), key=costs.__getitem__)
+        min((n for n in closed_loop if n.endswith(end)), key=costs.__getitem__)
         for end in ("double support", "shared")
     ]
-    last = [name for name in rows if name.startswith("trajectory")]
-    chosen = dict.fromkeys([paper, "clik x1, shared", *best, *last])
-    return [rows[name] for name in chosen if name in rows]
+    last = [name for name in runs if name not in closed_loop]
+    chosen = dict.fromkeys([closed_loop[0], "clik x1, shared", *best, *last])
+    return [measure(robot, runs[name], name) for name in chosen]
 
 
 def main() -> None:
-    """Print one table a motion."""
+    """Print one table a motion, or those of the motions named."""
     for name, (robot, gait) in motions().items():
-        rows = table(load_robot(robot), gait, RUNS)
+        if sys.argv[1:] and name not in sys.argv[1:]:
+            continue
+        rows = table(load_robot(robot), gait)
         sys.stdout.write(f"\n{name}\n\n{HEADER}\n" + "\n".join(map(str, rows)) + "\n")
 
 

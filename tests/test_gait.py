@@ -139,7 +139,7 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
                 "weight_joint": 0.35,
                 "weight_grav": 1.6,
                 "weight_acceleration": 3e-5,
-                "weight_limit": 0.01,
+                "weight_limit": 0.003,
                 "iterations": 20,
                 "tolerance": 1e-3,
             },

@@ -130,7 +130,7 @@ class TrajectoryParameters(Model):
         3e-5, gt=0.0, le=1e3, description="Weight of the squared joint accelerations [s^4/rad^2]."
     )
     weight_limit: float = Field(
-        0.01, ge=0.0, le=1e3, description="Weight of the barrier before the joint limits."
+        0.003, ge=0.0, le=1e3, description="Weight of the barrier before the joint limits."
     )
     iterations: int = Field(20, ge=0, le=1000, description="At most.")
     tolerance: float = Field(

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-DELTA = 1e-3
+DELTA = 1e-4
 
 
 def limit_barrier(q: Array, lower: Array, upper: Array) -> tuple[float, Array, Array]:

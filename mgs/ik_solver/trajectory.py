@@ -62,7 +62,7 @@ class TrajectoryIk:
     weight_joint: float = 0.35
     weight_grav: float = 1.6  # [1/(N m)^2], times W of `clik`
     weight_acceleration: float = 3e-5  # [s^4/rad^2]
-    weight_limit: float = 0.01  # of the barrier that keeps joints off their limits
+    weight_limit: float = 0.003  # of the barrier that keeps joints off their limits
     iterations: int = 20
     tolerance: float = 1e-3  # part of the objective that an iteration has to gain
     keep_limits: bool = True

@@ -12,7 +12,7 @@ from mgs.errors import ConfigError, JointLimitError
 from mgs.gait import BalanceGait, IkParameters, WalkGait
 from mgs.ik_solver.banded import band_matrix, coupling, second_differences, solve_band
 from mgs.ik_solver.clik import ClosedLoopIk
-from mgs.ik_solver.limit_barrier import limit_barrier
+from mgs.ik_solver.limit_barrier import DELTA, limit_barrier
 from mgs.ik_solver.trajectory import PINNED, Point, Problem, TrajectoryIk, minimise
 from mgs.pipeline import Stages, generate
 from mgs.robot import Robot, load_robot
@@ -278,21 +278,21 @@ def test_coupling_holds_the_diagonals_of_the_squared_second_differences(n_sample
 
 def test_the_barrier_has_the_derivatives_of_finite_differences_inside_and_beyond():
     lower, upper = np.array([-1.0, 0.0]), np.array([2.0, 0.5])
-    for room in (0.5, 0.01, 2e-3, 1e-4, -0.01):
+    for room in (0.5, 0.01, 2e-3, 3e-5, -0.01):
         for q in (lower + room * (upper - lower), upper - room * (upper - lower)):
             h = 1e-7 * (upper - lower)
             at = [limit_barrier(q + s * h * e, lower, upper) for e in np.eye(2) for s in (1, -1)]
             _, slope, bend = limit_barrier(q, lower, upper)
             values = np.array([x[0] for x in at]).reshape(2, 2)
             slopes = np.array([[x[1][i // 2] for i, x in enumerate(at)]]).reshape(2, 2)
-            assert_allclose(slope, (values[:, 0] - values[:, 1]) / (2.0 * h), rtol=1e-4, atol=1e-6)
-            assert_allclose(bend, (slopes[:, 0] - slopes[:, 1]) / (2.0 * h), rtol=1e-4, atol=1e-5)
+            assert_allclose(slope, (values[:, 0] - values[:, 1]) / (2.0 * h), rtol=1e-3, atol=1e-6)
+            assert_allclose(bend, (slopes[:, 0] - slopes[:, 1]) / (2.0 * h), rtol=1e-3, atol=1e-5)
     assert limit_barrier(0.5 * (lower + upper), lower, upper)[0] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_the_barrier_is_smooth_where_it_is_continued():
     lower, upper = np.zeros(1), np.ones(1)
-    here, there = (limit_barrier(np.array([1e-3 + s]), lower, upper) for s in (-1e-12, 1e-12))
+    here, there = (limit_barrier(np.array([DELTA + s]), lower, upper) for s in (-1e-12, 1e-12))
     for a, b in zip(here, there, strict=True):
         assert_allclose(a, b, rtol=1e-6)
 
