@@ -85,7 +85,7 @@ def analyse(robot: Robot, q: Array, dt: float, load_left: Array) -> WholeBodyMot
     forces = _inverse_dynamics(robot, q, v, a)
     wrench = _base_wrench_in_world(q, forces[:, :FLOATING_BASE_NV])
     zmp = np.column_stack([-wrench[:, 4], wrench[:, 3]]) / wrench[:, 2:3]
-    contacts = _share_wrench(wrench, zmp, frames[:, :2, :2], load_left)
+    contacts = share_wrench(wrench, zmp, frames[:, :2, :2], load_left)
     torque = forces[:, FLOATING_BASE_NV:] - _contact_torques(robot, q, contacts)
     torque += robot.armature * a[:, FLOATING_BASE_NV:]  # the rotors, which are no link's inertia
     return WholeBodyMotion(q, v, a, com, zmp, torque, frames[:, :2], frames[:, 2:4], frames[:, 4])
@@ -120,7 +120,7 @@ def _base_wrench_in_world(q: Array, wrench: Array) -> Array:
     return np.concatenate([force, moment], axis=1)
 
 
-def _share_wrench(wrench: Array, zmp: Array, soles: Array, load_left: Array) -> Array:
+def share_wrench(wrench: Array, zmp: Array, soles: Array, load_left: Array) -> Array:
     """Contact wrenches (N, 2, 6) about the world origin on the soles at (N, 2, 2)."""
     share = np.stack([load_left, 1.0 - load_left], axis=1)[..., None]  # (N, 2, 1)
     shift = zmp - np.sum(share * soles, axis=1)

@@ -120,6 +120,7 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
             "gamma_joint": 0.35,
             "gamma_grav": 0.0,
             "gamma_grav_ramp": 0.2,
+            "double_support": "shared",
             "iterations": None,
             "on_limit": "refuse",
             "faraji": {
@@ -140,6 +141,15 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
                 "null_space": "tracking",
                 "feedback": 0.5,
                 "handover": 0.1,
+            },
+            "trajectory": {
+                "start": "free",
+                "weight_joint": 0.35,
+                "weight_grav": 1.6,
+                "weight_acceleration": 3e-5,
+                "weight_limit": 0.003,
+                "iterations": 20,
+                "tolerance": 1e-3,
             },
         },
     }
@@ -168,6 +178,12 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
         ("ik.gamma_grav", [0.0, 1e3], [-1e-9, 1001.0]),
         ("ik.gamma_grav_ramp", [1e-4, 10.0], [0.0, 10.1]),
         ("ik.iterations", [0, 50, None], [-1, 51]),
+        ("ik.trajectory.weight_joint", [0.0, 1e3], [-1e-9, 1001.0]),
+        ("ik.trajectory.weight_grav", [0.0, 1e3], [-1e-9, 1001.0]),
+        ("ik.trajectory.weight_acceleration", [1e-9, 1e3], [0.0, 1001.0]),
+        ("ik.trajectory.weight_limit", [0.0, 1e3], [-1e-9, 1001.0]),
+        ("ik.trajectory.iterations", [0, 1000], [-1, 1001]),
+        ("ik.trajectory.tolerance", [1e-12, 1.0], [0.0, 1.1]),
     ],
 )
 def test_every_number_has_its_range(key: str, allowed: list, refused: list):

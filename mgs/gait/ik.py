@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from mgs.config import Model
 
@@ -12,8 +12,24 @@ Weight = Annotated[list[Annotated[float, Field(gt=0.0, le=1e6)]], Field(min_leng
 TaskName = Literal["soles", "torso", "com", "hands"]
 PartName = Literal["soles", "torso", "com", "com_xy", "com_z", "hands"]
 SolverName = Literal[
-    "clik", "ik1", "ik2", "ik3", "ik4", "ik5", "prioritized", "prioritized-acceleration"
+    "clik",
+    "ik1",
+    "ik2",
+    "ik3",
+    "ik4",
+    "ik5",
+    "prioritized",
+    "prioritized-acceleration",
+    "trajectory",
 ]
+
+
+def _off_of_yaml(value: object) -> object:
+    """YAML 1.1 reads an unquoted off as false."""
+    return "off" if value is False else value
+
+
+SharingName = Annotated[Literal["off", "shared", "optimal"], BeforeValidator(_off_of_yaml)]
 
 
 class FarajiParameters(Model):
@@ -99,6 +115,32 @@ class PrioritizedParameters(Model):
         return self
 
 
+class TrajectoryParameters(Model):
+    """Null-space motion of the whole motion at once: weights of what is least in sum."""
+
+    start: Literal["free", "posture"] = Field(
+        "free",
+        description="free: begin in the best posture; posture: as close to half-sitting as clik.",
+    )
+    weight_joint: float = Field(0.35, ge=0.0, le=1e3, description="Weight of H_joint.")
+    weight_grav: float = Field(
+        1.6, ge=0.0, le=1e3, description="Weight of H_grav [1/(N m)^2], scaled as gamma_grav."
+    )
+    weight_acceleration: float = Field(
+        3e-5, gt=0.0, le=1e3, description="Weight of the squared joint accelerations [s^4/rad^2]."
+    )
+    weight_limit: float = Field(
+        0.003, ge=0.0, le=1e3, description="Weight of the barrier before the joint limits."
+    )
+    iterations: int = Field(20, ge=0, le=1000, description="At most.")
+    tolerance: float = Field(
+        1e-3,
+        ge=1e-12,
+        le=1.0,
+        description="Part of the objective that an iteration has to gain for another to follow.",
+    )
+
+
 class IkParameters(Model):
     """Inverse kinematics (stage 4)."""
 
@@ -118,6 +160,12 @@ class IkParameters(Model):
         le=10.0,
         description="clik: time over which gamma_grav falls before double support [s].",
     )
+    double_support: SharingName = Field(
+        "shared",
+        description="clik, trajectory: how two soles share the weight in the gravity task; off: "
+        "gamma_grav is 0 in double support; shared: as the ZMP is shared; optimal: with the least "
+        "torque inside friction and sole limits.",
+    )
     iterations: int | None = Field(
         None,
         ge=0,
@@ -130,3 +178,4 @@ class IkParameters(Model):
     )
     faraji: FarajiParameters = FarajiParameters()
     prioritized: PrioritizedParameters = PrioritizedParameters()
+    trajectory: TrajectoryParameters = TrajectoryParameters()

@@ -8,14 +8,14 @@ Melson paper). J has full row rank m < n, so that J^+ needs no SVD:
     v0 = - gamma_joint grad H_joint - gamma_grav grad H_grav
     H_joint = 1/2 sum ((q - q_mid) / (q_max - q_min))^2,   H_grav = 1/2 tau^T W tau
 
-The tree is rooted at the support sole. H_grav makes sense in single support only: gamma_grav falls
-linearly to zero before double support and rises after it. W = s^2 I with s = 0.70 kg m / (M z_c),
-so that a gain means the same on every robot.
+The tree is rooted at the support sole. In the paper H_grav makes sense in single support only:
+gamma_grav falls linearly to zero before double support and rises after it. Where `double_support`
+says how two soles share the weight, tau holds throughout and gamma_grav stays on.
+W = s^2 I with s = 0.70 kg m / (M z_c), so that a gain means the same on every robot.
 """
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -28,24 +28,17 @@ from mgs.com_generator import ComTrajectory
 from mgs.contact import Side, Support
 from mgs.errors import ConfigError, IkError
 from mgs.gait import IkParameters
-from mgs.geometry import rotations_from_quat_xyzw
+from mgs.ik_solver.double_support import Sharing, StaticLoads, loaded_gravity
 from mgs.ik_solver.joint_trajectory import JointTrajectory
 from mgs.ik_solver.misses import refuse_limits
-from mgs.ik_solver.tree_tasks import COM, LEFT_HAND, N_TASKS, RIGHT_HAND, SWING, TURN, TreeTasks
+from mgs.ik_solver.tree_targets import refuse_task_misses, root_spans, tree_targets
+from mgs.ik_solver.tree_tasks import N_TASKS, TURN, TreeTasks
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
 
 Array = NDArray[np.float64]
 
-# A motion file is refused beyond these; the update below keeps the error well inside them.
-TOLERANCES = (
-    ("swing sole", SWING, 1e-4, "m"),
-    ("right hand", RIGHT_HAND, 1e-4, "m"),
-    ("left hand", LEFT_HAND, 1e-4, "m"),
-    ("CoM", COM, 2e-4, "m"),
-    ("swing sole orientation", TURN, 1.7e-4, "rad"),  # 0.01 deg
-)
-UPDATE_ABOVE = 1e-5  # [m] and [rad], task error that calls for a Newton update
+UPDATE_ABOVE = 1e-5  # [m] and [rad], task error that calls for a Newton update, inside TOLERANCES
 MAX_UPDATES = 10  # per sample; converging ones need one or two
 MAX_START_UPDATES = 50
 REFERENCE_MOMENT = 0.70  # [kg m] M z_c of the robot that the gains were first chosen on
@@ -58,6 +51,7 @@ class ClosedLoopIk:
     gamma_joint: float = 0.35  # weight of the joint-limit gradient [rad^2/s]
     gamma_grav: float = 0.0  # weight of the gravity-torque gradient [1/((N m)^2 s)]
     gamma_grav_ramp: float = 0.2  # [s]
+    double_support: Sharing = "shared"  # how soles share the weight; off: gamma_grav is 0 there
     iterations: int | None = None  # Newton updates per sample; None: until UPDATE_ABOVE is met
     keep_limits: bool = True  # False: record a joint outside its range instead of refusing it
     damping: float = 1e-6  # Levenberg term, in the unit of J
@@ -69,6 +63,7 @@ class ClosedLoopIk:
             gamma_joint=parameters.gamma_joint,
             gamma_grav=parameters.gamma_grav,
             gamma_grav_ramp=parameters.gamma_grav_ramp,
+            double_support=parameters.double_support,
             iterations=parameters.iterations,
             keep_limits=parameters.on_limit == "refuse",
         )
@@ -130,10 +125,16 @@ class _Run:
         self.threshold2 = UPDATE_ABOVE**2 if tuning.iterations is None else 0.0
         scale = REFERENCE_MOMENT / (robot.mass * tasks.com_height[0])
         self.gamma_grav = tuning.gamma_grav * scale**2  # W = scale^2 I
-        rest = rest_profile(tasks.n_samples, tasks.dt, tuning.gamma_grav_ramp) * tasks.dt
-        in_single = gravity_gain_profile(tasks.support, tasks.dt, tuning.gamma_grav_ramp)
-        self.gain_joint = tuning.gamma_joint * rest
-        self.gain_grav = self.gamma_grav * rest * in_single
+        rest = rest_profile(tasks.n_samples, tasks.dt, tuning.gamma_grav_ramp)
+        self.gain_joint = tasks.dt * tuning.gamma_joint * rest
+        self.loads: StaticLoads | None = None
+        if tuning.double_support == "off":
+            rest = rest * gravity_gain_profile(tasks.support, tasks.dt, tuning.gamma_grav_ramp)
+        else:
+            rest = rest**2 * (3.0 - 2.0 * rest)  # it is strong at once: no jump of speed
+            if self.gamma_grav:
+                self.loads = StaticLoads(robot, tasks, com, tuning.double_support)
+        self.gain_grav = tasks.dt * self.gamma_grav * rest
         self.inverse_range2 = 1.0 / (robot.upper - robot.lower) ** 2
         self.middle = 0.5 * (robot.upper + robot.lower)
         self.angles = np.empty((tasks.n_samples, robot.n))
@@ -144,39 +145,22 @@ class _Run:
     def follow(self, progress: Callable[[int, int], None] | None) -> JointTrajectory:
         """Walk through the spans that stand on one sole, since each has its own tree."""
         roots, n = self.tasks.root, self.tasks.n_samples
-        bounds = [0, *(np.flatnonzero(np.diff(roots)) + 1), n]
         q = self.robot.posture
-        for start, end in itertools.pairwise(bounds):
+        for start, end in root_spans(self.tasks):
             tree = self.trees[roots[start]]
             tree.place(pin.XYZQUATToSE3(self.tasks.soles[start, roots[start]]))
-            positions, rotations = self._targets(start, end)
+            positions, rotations = tree_targets(self.tasks, self.com, start, end)
             q_tree = q[tree.order]
             if start == 0:
                 self._start(tree, q_tree, positions[0], rotations[0])
             errors = self._follow_span(tree, q_tree, start, positions, rotations)
-            self._refuse_misses(start, errors)
+            refuse_task_misses(errors, self.tasks.dt, start)
             if self.tuning.keep_limits:
                 refuse_limits(self.robot, self.angles[start:end], self.tasks.dt, start)
             q = self.angles[end - 1]
             if progress is not None:
                 progress(end, n)
         return JointTrajectory(self.angles, report={"newton_updates": self.updates})
-
-    def _targets(self, start: int, end: int) -> tuple[Array, Array]:
-        """Positions (m, 12) in the order of the tasks and swing sole rotations (m, 3, 3)."""
-        tasks, span = self.tasks, slice(start, end)
-        swing = Side(tasks.root[start]).other
-        hands = tasks.hands[span] + self.com[span, None]
-        positions = np.concatenate(
-            [
-                tasks.soles[span, swing, :3],
-                hands[:, Side.RIGHT],
-                hands[:, Side.LEFT],
-                self.com[span],
-            ],
-            axis=1,
-        )
-        return positions, rotations_from_quat_xyzw(tasks.soles[span, swing, 3:])
 
     def _follow_span(
         self, tree: TreeTasks, q: Array, start: int, positions: Array, rotations: Array
@@ -197,7 +181,7 @@ class _Run:
                 v0 *= inverse_range2
                 v0 *= gain_joint
                 if gain_grav:
-                    tau, dtau = tree.gravity(q)
+                    tau, dtau = loaded_gravity(tree, self.loads, k, q)
                     v0 -= np.dot(tau, dtau) * gain_grav
                 error -= tree.J.dot(v0)
                 q += v0
@@ -270,15 +254,3 @@ class _Run:
             f"{gain:g} is too stiff for dt = {self.tasks.dt:g} s on {self.robot.spec.name}; "
             f"below {gain / product:.3g}, or a smaller dt",
         )
-
-    def _refuse_misses(self, start: int, errors: Array) -> None:
-        """Raise IkError at the first sample that misses a tolerance, for its worst task."""
-        residuals = np.stack([np.linalg.norm(errors[:, t[1]], axis=1) for t in TOLERANCES], axis=1)
-        ratios = residuals / np.array([tolerance for _, _, tolerance, _ in TOLERANCES])
-        missed = np.flatnonzero(~np.all(ratios <= 1.0, axis=1))  # NaN counts as missed
-        if len(missed):
-            i = int(missed[0])
-            worst = int(np.argmax(np.nan_to_num(ratios[i], nan=np.inf)))
-            task, _, tolerance, unit = TOLERANCES[worst]
-            t = (start + i) * self.tasks.dt
-            raise IkError(t, task, float(residuals[i, worst]), tolerance, unit)

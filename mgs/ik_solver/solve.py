@@ -11,6 +11,7 @@ from mgs.ik_solver.clik import ClosedLoopIk
 from mgs.ik_solver.faraji import FarajiIk
 from mgs.ik_solver.joint_trajectory import JointTrajectory
 from mgs.ik_solver.prioritized import PrioritizedIk
+from mgs.ik_solver.trajectory import TrajectoryIk
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
 
@@ -48,6 +49,7 @@ SOLVERS: dict[str, type[IkSolver]] = {
     **{f"ik{method}": FarajiIk for method in range(1, 6)},
     "prioritized": PrioritizedIk,
     "prioritized-acceleration": PrioritizedIk,
+    "trajectory": TrajectoryIk,
 }
 
 

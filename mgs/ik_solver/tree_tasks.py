@@ -33,7 +33,7 @@ class TreeTasks:
         J: (15, n) task Jacobian in the tree's joint order; rows in the world frame.
         f: (12,) positions of swing sole, right hand, left hand and CoM [m].
         R: (3, 3) rotation of the swing sole.
-        order: (n,) joints of the robot in the order of the tree.
+        order: (n,) joints of the robot in the order of the tree, from the root outward.
     """
 
     def __init__(
@@ -49,10 +49,14 @@ class TreeTasks:
         self._com_root = np.zeros(3)  # share of the root link in the CoM
         self._com = np.zeros(3)
         rows = zip((LEFT_HAND, RIGHT_HAND), hands_asked, strict=True)
-        self._free = [row for row, is_asked in rows if not is_asked]
+        self.free_rows = [row for row, is_asked in rows if not is_asked]
         self.J = np.zeros((N_TASKS, robot.n))
         self.f = np.zeros(12)
         self.R = np.eye(3)
+        joints = self.model.supports[self.model.frames[tree.swing_sole].parentJoint]
+        self.chain = np.array([joint - 1 for joint in joints if joint > 0])  # between the soles
+        self.on_chain = np.zeros(robot.n)  # 1 for those joints
+        self.on_chain[self.chain] = 1.0
 
     def place(self, T_world_sole: pin.SE3) -> None:
         """Stand on a sole at this pose."""
@@ -79,14 +83,26 @@ class TreeTasks:
         J_right = pin.getFrameJacobian(model, data, right_hand, WORLD_ALIGNED)
         rows = (J_swing[:3], J_right[:3], J_left[:3], J_com, J_swing[3:])
         np.concatenate(rows, out=self.J)
-        for free in self._free:
+        for free in self.free_rows:
             self.J[free] = 0.0
+
+    def values(self, q: Array, f: Array, R: Array) -> None:
+        """Write positions (12,) and swing sole rotation (3, 3) at q (n,); J, f and R stay."""
+        model, data, tree = self.model, self.data, self.tree
+        com = pin.centerOfMass(model, data, q, False)  # also places joints
+        swing = pin.updateFramePlacement(model, data, tree.swing_sole)
+        f[SWING] = swing.translation
+        f[RIGHT_HAND] = pin.updateFramePlacement(model, data, tree.hands[1]).translation
+        f[LEFT_HAND] = pin.updateFramePlacement(model, data, tree.hands[0]).translation
+        np.multiply(com, self._com_scale, out=f[COM])
+        f[COM] += self._com_root
+        R[:] = swing.rotation
 
     def error(self, positions: Array, R_ref: Array, out: Array) -> None:
         """Target minus actual (15,) for positions (12,) in the order of f and a rotation (3, 3)."""
         np.subtract(positions, self.f, out=out[:12])
         out[TURN] = pin.log3(np.dot(R_ref, self.R.T))
-        for free in self._free:
+        for free in self.free_rows:
             out[free] = 0.0
 
     def gravity(self, q: Array) -> tuple[Array, Array]:

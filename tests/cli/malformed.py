@@ -35,6 +35,7 @@ VALID: dict[str, Any] = {
         "gamma_joint": 0.35,
         "gamma_grav": 0.0,
         "gamma_grav_ramp": 0.2,
+        "double_support": "shared",
         "iterations": 3,
         "on_limit": "refuse",
     },
@@ -57,7 +58,13 @@ def at(path: Path) -> Any:
 
 NUMBERS = [path for path in LEAVES if isinstance(at(path), float)]
 COUNTS: list[Path] = [("walk", "n_steps"), ("ik", "iterations")]
-CHOICES: list[Path] = [("motion",), ("walk", "first_support"), ("ik", "solver"), ("ik", "on_limit")]
+CHOICES: list[Path] = [
+    ("motion",),
+    ("walk", "first_support"),
+    ("ik", "solver"),
+    ("ik", "double_support"),
+    ("ik", "on_limit"),
+]
 REQUIRED: list[Path] = [("mgs",), ("robot",), ("motion",), ("walk",), ("walk", "n_steps")]
 SIGNED: list[Path] = [("walk", "step_length"), ("walk", "lateral"), ("walk", "step_yaw")]
 POSITIVE = [path for path in [*NUMBERS, *COUNTS] if path not in SIGNED]

@@ -80,7 +80,7 @@ def test_every_key_is_described():
     keys = {key for d in definitions.values() for key in d["properties"]}
     assert keys >= {path[-1] for path in LEAVES}
     undescribed = {key for d in definitions.values() for key in set(d["properties"]) - described(d)}
-    assert undescribed == {"walk", "com", "balance", "ik", "faraji", "prioritized"}
+    assert undescribed == {"walk", "com", "balance", "ik", "faraji", "prioritized", "trajectory"}
     for name, definition in definitions.items():  # these are blocks, and a block tells of itself
         assert definition.get("description"), name
 

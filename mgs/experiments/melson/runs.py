@@ -46,6 +46,7 @@ def solve(progress: Progress | None = None) -> Study:
             f"ik.gamma_grav={gamma_grav}",
             "ik.iterations=0",
             "com.passes=0",  # each would correct the CoM for its own joints: one task for all
+            "ik.double_support=off",  # as in the paper
         )
         done[name] = generate(robot, load_gait(gait, settings), gait)
         if progress is not None:

@@ -1,0 +1,58 @@
+"""Least squares in null spaces coupled by second differences: a banded system.
+
+    min over z   sum_k [ 1/2 z_k^T B_k z_k + g_k^T z_k ] + c/2 sum_k | sum_l D_kl Z_l z_l |^2
+
+D takes the second difference of a motion that rests before its first sample and after its last.
+Each Z_k (n, p) has orthonormal columns. The matrix has blocks (p, p) up to the second off-diagonal,
+hence 3 p - 1 diagonals below the main one; its Cholesky factor costs O(N p^3).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solveh_banded
+
+Array = NDArray[np.float64]
+
+
+def second_differences(q: Array) -> Array:
+    """D q (N, n) of q (N, n), at rest before and after."""
+    rested = np.concatenate([q[:1], q, q[-1:]])
+    return np.asarray(rested[2:] - 2.0 * rested[1:-1] + rested[:-2])
+
+
+def coupling(n_samples: int) -> Array:
+    """D^T D (3, N): its main diagonal, the first and the second below it, by column."""
+    D = np.zeros((3, n_samples))
+    D[0], D[1], D[2] = 6.0, -4.0, 1.0
+    D[0, [0, -1]], D[1, [0, -2]] = 2.0, -3.0
+    D[1, -1], D[2, -2:] = 0.0, 0.0
+    return D
+
+
+def band_matrix(B: Array, Z: Array, c: float, pinned: int) -> Array:
+    """Lower band (3 p, M p) of the matrix for the M samples after the first `pinned` ones.
+
+    B (N, p, p) and Z (N, n, p) are of all N samples.
+    """
+    n_samples, p = len(B), B.shape[-1]
+    weights = c * coupling(n_samples)[:, pinned:]
+    B, Z = B[pinned:], Z[pinned:]
+    band = np.zeros((3 * p, n_samples - pinned, p))
+    a, b = np.tril_indices(p)
+    main = B.copy()
+    main[:, range(p), range(p)] += weights[0][:, None]
+    band[a - b, :, b] = main[:, a, b].T
+    rows, columns = np.indices((p, p))
+    for d in (1, 2):
+        blocks = np.swapaxes(Z[d:], 1, 2) @ Z[:-d]
+        blocks *= weights[d, : len(blocks), None, None]
+        band[d * p + rows - columns, : len(blocks), columns] = blocks.transpose(1, 2, 0)
+    return band.reshape(3 * p, -1)
+
+
+def solve_band(band: Array, g: Array) -> Array:
+    """Solution z (M, p) of A z = -g, A positive definite given by its lower band."""
+    z = solveh_banded(band, -g.ravel(), lower=True, check_finite=False)
+    return np.asarray(z.reshape(g.shape))

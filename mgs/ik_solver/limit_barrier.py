@@ -1,0 +1,34 @@
+"""A smooth wall before the joint limits, finite beyond them too.
+
+    - log s                                            for s > delta
+    1/2 ((s - 2 delta) / delta)^2 - 1/2 - log delta    below, twice differentiable in between
+
+of the room s that a joint has to each of its limits, as a part of its range. Relaxed barrier of
+Hauser and Saccon, "A barrier function method for the optimization of trajectory functionals with
+constraints", CDC 2006. Half the room on both sides counts as 0.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+DELTA = 1e-4
+
+
+def limit_barrier(q: Array, lower: Array, upper: Array) -> tuple[float, Array, Array]:
+    """Sum over all joints of q (..., n), its gradient and its second derivatives (..., n)."""
+    width = upper - lower
+    low = _wall((q - lower) / width)
+    high = _wall((upper - q) / width)
+    value = float(np.sum(low[0]) + np.sum(high[0]) + 2.0 * q.size * np.log(0.5))
+    return value, (low[1] - high[1]) / width, (low[2] + high[2]) / width**2
+
+
+def _wall(s: Array) -> tuple[Array, Array, Array]:
+    """Value and two derivatives by the room s."""
+    inside = np.maximum(s, DELTA)
+    beyond = np.minimum(s, DELTA) / DELTA - 1.0  # 0 inside
+    value = -np.log(inside) - beyond + 0.5 * beyond**2
+    return value, (beyond - 1.0) / inside, 1.0 / inside**2
