@@ -67,7 +67,11 @@ def test_every_example_parses(path: tuple[str, ...]):
     lines = (line.strip().partition(" > ")[0].split() for line in (command.help or "").split("\n"))
     examples = [line[1 + len(path) :] for line in lines if line[:1] == ["mgs"]]
     assert examples
-    known = {option for parameter in command.params for option in parameter.opts}
+    known = {
+        option
+        for parameter in command.params
+        for option in parameter.opts + parameter.secondary_opts
+    }
     for example in examples:
         assert {word for word in example if word.startswith("-")} <= known
 
