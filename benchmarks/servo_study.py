@@ -14,13 +14,18 @@ from typing import Any
 
 import numpy as np
 import yaml
+from numpy.typing import NDArray
 
+from mgs.contact import Support
+from mgs.dynamics import analyse
 from mgs.gait import list_gaits, load_gait
 from mgs.motion import Motion
 from mgs.pipeline import generate
 from mgs.robot import build_robot, load_robot
 from mgs.servos import servos_of
 from mgs.sim import DEFAULTS, EngineName, available_engines, replay
+
+Array = NDArray[np.float64]
 
 WALKS = ("melson/walk_5cm", "melson/walk_practical")
 STIFFNESS = (17.1, 34.2, 100.0, 300.0)  # of the legs [N m/rad]; 17.1 is compliance slope 32
@@ -131,6 +136,13 @@ def study_servo() -> None:
         print(f"| {' | '.join([label, *cells])} |", flush=True)
 
 
+def halved(motion: Motion) -> Array:
+    """Torques (N, n) [N m] if in double support each foot bore half of the weight."""
+    alone = [motion.support == Support.LEFT, motion.support == Support.RIGHT]
+    load_left = np.select(alone, [1.0, 0.0], 0.5)
+    return analyse(motion.robot, motion.q, motion.dt, load_left).torque
+
+
 def study_command() -> None:
     """The commands with one of their terms left out, by taking it from the torque beforehand."""
     motion = walk(WALKS[1])
@@ -142,6 +154,7 @@ def study_command() -> None:
         "without the friction term": servos.friction(v),
         "without the rotors' inertia": rotors,
         "q + torque / K": servos.friction(v) + servos.damping * v,
+        "double support shared by halves": motion.torque - halved(motion),
         "without the torque": motion.torque,
     }
     table("walk_practical, command", list(available_engines()))
