@@ -9,6 +9,7 @@ import pytest
 from mgs import errors
 from mgs.errors import (
     ConfigError,
+    DivergenceError,
     FootstepError,
     IkError,
     InfeasibleGaitError,
@@ -30,6 +31,7 @@ EXAMPLES = [
     IkError(1.25, "CoM", 3e-3, 2e-4, "m"),
     JointLimitError(1.25, "left_knee_pitch", -0.1, 0.0, 2.2),
     SimulationError("no engine"),
+    DivergenceError("diverged"),
     OutputExistsError("a.mcap"),
 ]
 

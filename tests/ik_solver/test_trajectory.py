@@ -26,7 +26,9 @@ GAINS = {"gamma_joint": 0.35, "gamma_grav": 1.6}
 
 
 def walk(solver: str = "trajectory", **trajectory: float | str) -> WalkGait:
-    return walk_gait(**SHORT, ik={"solver": solver, **GAINS, "trajectory": trajectory})
+    """One CoM motion for all solvers, not one that is corrected for each."""
+    ik = {"solver": solver, **GAINS, "trajectory": trajectory}
+    return walk_gait(**SHORT, com={"passes": 0}, ik=ik)
 
 
 def squat(solver: str = "trajectory") -> BalanceGait:
