@@ -205,6 +205,10 @@ class FarajiRun:
             moved = self._iterate(k, self.gamma, self.gamma_hard, q_prev)
             if moved < CONVERGED:
                 break
+        if solver.is_bounded:
+            joints = self.q[FLOATING_BASE_NQ:]
+            np.maximum(joints, self.low, out=joints)  # to rounding
+            np.minimum(joints, self.high, out=joints)
         if self.qp.elastic and solver.is_bounded:
             self.elastic.append(k)
         self.configurations[k] = self.q
@@ -213,13 +217,15 @@ class FarajiRun:
 
     def _leave_singularity(self) -> None:
         """Start from bent limbs: at a singularity linearised hard rows contradict the bounds."""
-        q = self.q.copy()
-        joints = q[FLOATING_BASE_NQ:]
-        for j, angle in zip(self.stretched, self.stretched_at, strict=True):
-            if abs(joints[j] - angle) < NEAR_STRETCHED:
+        off = np.abs(self.q[FLOATING_BASE_NQ:][self.stretched] - self.stretched_at)
+        if not (off < NEAR_STRETCHED).any():
+            return
+        self.q = self.q.copy()
+        joints = self.q[FLOATING_BASE_NQ:]
+        for j, angle, distance in zip(self.stretched, self.stretched_at, off, strict=True):
+            if distance < NEAR_STRETCHED:
                 inward = self.region.middle[j] > angle
                 joints[j] = self.high[j] if inward else self.low[j]
-        self.q = q
 
     def _iterate(self, k: int, gamma: float, gamma_hard: float, q_prev: Array | None) -> float:
         """One linearisation about q, one step; its length."""
@@ -228,9 +234,10 @@ class FarajiRun:
         tasks.error(self.targets.x[k], self.targets.rotations[k], self.error)
         self.b = self.E_hard
         if gamma and q_prev is not None:
-            v = pin.difference(self.model, q_prev, q)
+            # in the first iteration nothing has moved yet
+            v = None if q is q_prev else pin.difference(self.model, q_prev, q)
             if gamma_hard:
-                lag = self.steps_hard[k] - self.J_hard.dot(v)
+                lag = self.steps_hard[k] - (0.0 if v is None else self.J_hard.dot(v))
                 self.b = (self.E_hard + gamma_hard * lag) / (1.0 + gamma_hard)
             self._set_gamma_objective(q, v, self.steps_soft[k], gamma)
         else:
@@ -246,23 +253,24 @@ class FarajiRun:
             np.subtract(self.high, joints, out=self.qp.high)
             dq = self.qp.solve(self.H, self.g, self.A, self.b)
             self.q = pin.integrate(self.model, q, dq)
-            joints = self.q[FLOATING_BASE_NQ:]
-            np.maximum(joints, self.low, out=joints)  # to rounding
-            np.minimum(joints, self.high, out=joints)
         return math.sqrt(dq.dot(dq))
 
-    def _set_gamma_objective(self, q: Array, v: Array, step: Array, gamma: float) -> None:
+    def _set_gamma_objective(self, q: Array, v: Array | None, step: Array, gamma: float) -> None:
         """Fill H and g of ik4 or ik5, for v (6 + n,) from q_prev to q and step (m_soft,) = xdot dt.
+
+        v is None where q is q_prev.
 
         J(q) v depends on q by v and by J. At a stretched knee, where J itself vanishes, the latter
         is all there is; of the soft tasks it is taken into account for the CoM.
         """
         J, E, turned = self.J_soft, self.E_soft, self._turned
-        lag = J.dot(v)
-        np.subtract(step, lag, out=lag)
         np.copyto(turned, J)  # derivative of J v by q
-        for rows, axes in self._soft_com:
-            turned[rows] += self.tasks.com_velocity_derivative(q, v)[axes]
+        if v is None:
+            lag = step.copy()
+        else:
+            lag = step - J.dot(v)
+            for rows, axes in self._soft_com:
+                turned[rows] += self.tasks.com_velocity_derivative(q, v)[axes]
         if self.solver.method == 4:
             turned *= gamma
             turned += J
