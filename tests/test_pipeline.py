@@ -15,7 +15,7 @@ from mgs.checks import zmp_margins
 from mgs.com_generator import ComTrajectory, correct_com, generate_com
 from mgs.contact import Side
 from mgs.errors import ConfigError, FootstepError, InfeasibleGaitError, MgsError
-from mgs.gait import Gait, load_gait
+from mgs.gait import ComParameters, Gait, load_gait
 from mgs.ik_solver.solve import SOLVERS
 from mgs.motion import Motion
 from mgs.pipeline import Stages, generate
@@ -216,9 +216,11 @@ def test_by_default_no_shipped_walk_is_off_plan_by_more_than_the_tolerance(shipp
     error = np.linalg.norm(motion.zmp - motion.zmp_ref, axis=1)
     report = motion.solver["zmp_error"]
     assert report["after"] == pytest.approx({"mean": error.mean(), "max": error.max()}, rel=1e-9)
-    assert error.mean() < 1.1 * shipped_walk.gait.com.zmp_tolerance
-    assert error.max() < 1.1e-3  # [m]
-    assert error.mean() < report["before"]["mean"] / 10.0
+    tolerance = shipped_walk.gait.com.zmp_tolerance
+    assert error.mean() < 1.1 * tolerance
+    if tolerance == ComParameters().zmp_tolerance:  # one gait asks for less and says why
+        assert error.max() < 1.1e-3  # [m]
+        assert error.mean() < report["before"]["mean"] / 10.0
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
