@@ -305,10 +305,8 @@ def test_the_motion_decides_what_kind_of_gait_it_is():
     assert isinstance(parse_gait("mgs: 1\nmotion: walk\nwalk: {n_steps: 2}", "a"), WalkGait)
 
 
-def test_both_kinds_tell_their_duration_and_the_room_of_the_com():
-    assert balance_gait(sine("com_y", 0.02), duration=7.5).duration == 7.5
-    walk = walk_gait(n_steps=3, lead_in=2.0, double_support=0.3, single_support=0.5, lead_out=1.9)
-    assert walk.duration == pytest.approx(2.0 + 3 * 0.8 + 0.3 + 1.9)
+def test_both_kinds_tell_the_room_of_the_com():
+    walk = walk_gait(n_steps=3)
     assert walk.com_tolerance == balance_gait(sine("com_y", 0.02)).com_tolerance == 2e-4
     assert balance_gait(sine("com_y", 0.02), com_tolerance=0.1).com_tolerance == 0.1
 

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+from mgs import experiments
 from mgs.cli.common import ProgressBar, json_option, print_json, with_progress
-
-if TYPE_CHECKING:
-    from mgs.experiments import Claim
+from mgs.experiments import Claim
 
 
 @click.command()
-@click.argument("name", type=click.Choice(["melson", "faraji", "mistry", "preview"]))
+@click.argument("name", type=click.Choice(experiments.NAMES))
 @click.option(
     "-o", "--output", type=click.Path(file_okay=False, path_type=Path),
     help="Folder for the figures; default outputs/experiments/NAME.",
@@ -26,20 +24,18 @@ def experiment(name: str, output: Path | None, no_figures: bool, as_json: bool) 
 
     melson: scenarios S1 to S3 and the drift study of the Melson paper. faraji: tasks A to H of
     Faraji and Ijspeert, ik1 to ik5 on COMAN's legs. mistry: CoG sway and a hand's figure eight by
-    prioritised floating-base IK. preview: closed-loop analysis of the ZMP
-    preview control. Figures of an earlier run are replaced. A
-    claim that does not hold is a finding, not a failure: the exit code is 0 all the same.
+    prioritised floating-base IK. preview: closed-loop analysis of the ZMP preview control. Figures
+    of an earlier run are replaced. A claim that does not hold is a finding, not a failure: the exit
+    code is 0 all the same.
 
     \b
     Example:
       mgs experiment melson -o figures
     """  # noqa: D301
-    from mgs.experiments import EXPERIMENTS
-
     folder = None if no_figures else output or Path("outputs/experiments") / name
 
     def work(bar: ProgressBar) -> list[Claim]:
-        return EXPERIMENTS[name](folder, bar)
+        return experiments.run(name, folder, bar)
 
     claims = with_progress(name, work)
     if as_json:

@@ -1,45 +1,42 @@
-"""The papers' experiments and our own studies, as runnable code."""
+"""The papers' experiments and our own studies, as runnable code.
+
+One package each: `solve` makes every run, `all_claims` holds them against what is claimed,
+`figures` draws them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import importlib
 from pathlib import Path
 
 from mgs.experiments.claim import Claim, Progress
 
-__all__ = ["EXPERIMENTS", "Claim", "Experiment"]
+__all__ = ["NAMES", "Claim", "run"]
 
-# folder for figures or None, progress or None -> what was found
-Experiment = Callable[[Path | None, Progress | None], list[Claim]]
-
-
-def _melson(folder: Path | None, progress: Progress | None) -> list[Claim]:
-    from mgs.experiments.melson import run
-
-    return run(folder, progress)
+NAMES = ("melson", "faraji", "mistry", "preview")
 
 
-def _preview(folder: Path | None, progress: Progress | None) -> list[Claim]:
-    from mgs.experiments.preview import run
+def run(
+    name: str, folder: Path | None = None, progress: Progress | None = None, *, force: bool = True
+) -> list[Claim]:
+    """Run one experiment; figures go into `folder` if one is given.
 
-    return run(folder, progress)
+    Args:
+        name: one of NAMES.
+        folder: made if missing.
+        progress: called with runs done and runs in all.
+        force: replace existing figures.
 
+    Raises:
+        OutputExistsError: a figure is in the way and `force` is not set.
+    """
+    package = importlib.import_module(f"mgs.experiments.{name}")
+    if folder is None:
+        return list(package.all_claims(package.solve(progress)))
+    from mgs.report.canvas import figure_paths  # matplotlib is slow to import
 
-def _faraji(folder: Path | None, progress: Progress | None) -> list[Claim]:
-    from mgs.experiments.faraji import run
-
-    return run(folder, progress)
-
-
-def _mistry(folder: Path | None, progress: Progress | None) -> list[Claim]:
-    from mgs.experiments.mistry import run
-
-    return run(folder, progress)
-
-
-EXPERIMENTS: dict[str, Experiment] = {
-    "melson": _melson,
-    "faraji": _faraji,
-    "mistry": _mistry,
-    "preview": _preview,
-}
+    figures = importlib.import_module(f"mgs.experiments.{name}.figures")
+    figure_paths(folder, figures.NAMES, "png", force=force)  # before the work
+    study = package.solve(progress)
+    figures.write_figures(study, folder, force=force)
+    return list(package.all_claims(study))

@@ -26,11 +26,6 @@ class GaitFile(Model):
     dt: float = Field(0.01, ge=1e-4, le=0.1, description="Sampling period [s].")
 
     @property
-    def duration(self) -> float:
-        """Length of the motion [s]."""
-        raise NotImplementedError
-
-    @property
     def com_tolerance(self) -> float:
         """Largest distance of the CoM from its reference that passes [m]."""
         return COM_TOLERANCE
@@ -39,11 +34,11 @@ class GaitFile(Model):
         """The gait as resolved, every default written out."""
         return yaml.safe_dump(self.model_dump(), sort_keys=False, default_flow_style=None)
 
-    def _refuse_too_long(self, remedy: str) -> None:
-        if self.duration / self.dt > MAX_SAMPLES:
+    def _refuse_too_long(self, duration: float, remedy: str) -> None:
+        if duration / self.dt > MAX_SAMPLES:
             raise ValueError(
-                f"{self.duration:.0f} s at dt = {self.dt:g} s are {self.duration / self.dt:.2g} "
-                f"samples, {MAX_SAMPLES:g} allowed; use {remedy} or a larger dt"
+                f"{duration:.0f} s at dt = {self.dt:g} s are {duration / self.dt:.2g} samples, "
+                f"{MAX_SAMPLES:g} allowed; use {remedy} or a larger dt"
             )
 
 
@@ -54,13 +49,6 @@ class WalkGait(GaitFile):
     walk: WalkParameters
     com: ComParameters = ComParameters()
     ik: IkParameters = IkParameters()
-
-    @property
-    def duration(self) -> float:
-        """Length of the motion [s]."""
-        walk = self.walk
-        rests = walk.lead_in + walk.lead_out + walk.double_support
-        return rests + walk.n_steps * (walk.double_support + walk.single_support)
 
     @model_validator(mode="after")
     def _rests_as_long_as_it_previews(self) -> WalkGait:
@@ -75,7 +63,10 @@ class WalkGait(GaitFile):
 
     @model_validator(mode="after")
     def _fits_into_memory(self) -> WalkGait:
-        self._refuse_too_long("fewer walk.n_steps")
+        walk = self.walk
+        rests = walk.lead_in + walk.lead_out + walk.double_support
+        steps = walk.n_steps * (walk.double_support + walk.single_support)
+        self._refuse_too_long(rests + steps, "fewer walk.n_steps")
         return self
 
 
@@ -87,18 +78,13 @@ class BalanceGait(GaitFile):
     ik: IkParameters = IkParameters()
 
     @property
-    def duration(self) -> float:
-        """Length of the motion [s]."""
-        return self.balance.duration
-
-    @property
     def com_tolerance(self) -> float:
         """Largest distance of the CoM from its reference that passes [m]."""
         return self.balance.com_tolerance
 
     @model_validator(mode="after")
     def _fits_into_memory(self) -> BalanceGait:
-        self._refuse_too_long("a shorter balance.duration")
+        self._refuse_too_long(self.balance.duration, "a shorter balance.duration")
         return self
 
 

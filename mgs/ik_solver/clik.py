@@ -31,7 +31,7 @@ from mgs.gait import IkParameters
 from mgs.ik_solver.double_support import Sharing, StaticLoads, loaded_gravity
 from mgs.ik_solver.joint_trajectory import JointTrajectory
 from mgs.ik_solver.misses import refuse_limits
-from mgs.ik_solver.tree_targets import refuse_task_misses, root_spans, tree_targets
+from mgs.ik_solver.tree_targets import refuse_task_misses, refuse_torso, root_spans, tree_targets
 from mgs.ik_solver.tree_tasks import N_TASKS, TURN, TreeTasks
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
@@ -113,12 +113,7 @@ class _Run:
         self, tuning: ClosedLoopIk, robot: Robot, tasks: TaskTrajectory, com: ComTrajectory
     ) -> None:
         self.tuning, self.robot, self.tasks, self.com = tuning, robot, tasks, com.position
-        if tasks.torso_asked:
-            raise ConfigError(
-                "ik.solver",
-                "clik leaves the torso free, but this gait has channels for it; use ik1 to ik5, "
-                "prioritized or prioritized-acceleration",
-            )
+        refuse_torso(tasks, "clik")
         asked = tasks.hands_asked
         self.trees = (TreeTasks(robot, Side.LEFT, asked), TreeTasks(robot, Side.RIGHT, asked))
         self.max_updates = MAX_UPDATES if tuning.iterations is None else tuning.iterations

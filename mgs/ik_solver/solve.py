@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
+import numpy as np
+
 from mgs.com_generator import ComTrajectory
+from mgs.errors import InfeasibleGaitError
 from mgs.gait import IkParameters
 from mgs.ik_solver.clik import ClosedLoopIk
 from mgs.ik_solver.faraji import FarajiIk
@@ -61,4 +64,11 @@ def solve_ik(
     progress: Progress | None = None,
 ) -> JointTrajectory:
     """Stage 4: joint angles that meet the tasks; see `IkSolver.solve` for the errors."""
-    return SOLVERS[parameters.solver].from_parameters(parameters).solve(robot, tasks, com, progress)
+    solver = SOLVERS[parameters.solver].from_parameters(parameters)
+    try:
+        return solver.solve(robot, tasks, com, progress)
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        raise InfeasibleGaitError(
+            f"ik.solver {parameters.solver}: {error}; the motion has probably run away from its "
+            "tasks: ask for less, or take ik4, which keeps within limits"
+        ) from error

@@ -29,7 +29,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mgs.com_generator import ComTrajectory
-from mgs.errors import ConfigError
 from mgs.gait import IkParameters
 from mgs.ik_solver.banded import band_matrix, second_differences, solve_band
 from mgs.ik_solver.clik import REFERENCE_MOMENT, ClosedLoopIk, gravity_gain_profile
@@ -38,7 +37,7 @@ from mgs.ik_solver.joint_trajectory import JointTrajectory
 from mgs.ik_solver.limit_barrier import limit_barrier
 from mgs.ik_solver.misses import refuse_limits
 from mgs.ik_solver.tree_batch import TreeBatch
-from mgs.ik_solver.tree_targets import refuse_task_misses
+from mgs.ik_solver.tree_targets import refuse_task_misses, refuse_torso
 from mgs.ik_solver.tree_tasks import N_TASKS
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
@@ -92,12 +91,7 @@ class TrajectoryIk:
         progress: Callable[[int, int], None] | None = None,
     ) -> JointTrajectory:
         """Improve on the closed-loop IK; see `IkSolver.solve` for the errors."""
-        if tasks.torso_asked:
-            raise ConfigError(
-                "ik.solver",
-                "trajectory leaves the torso free, but this gait has channels for it; use ik1 to "
-                "ik5, prioritized or prioritized-acceleration",
-            )
+        refuse_torso(tasks, "trajectory")
         first = self.closed_loop.solve(robot, tasks, com).angles
         problem = Problem(self, robot, tasks, com)
         motion, history = minimise(problem, first, progress)
@@ -236,7 +230,9 @@ def minimise(
         raise ArithmeticError("Newton's method does not bring the closed-loop IK onto its tasks")
     history = [here.objective]
     tuning = problem.tuning
-    for _ in range(tuning.iterations):
+    for iteration in range(tuning.iterations):
+        if progress is not None:  # in samples, as of all solvers
+            progress(len(q) * iteration // tuning.iterations, len(q))
         step, fall = problem.newton(here)
         if fall < tuning.tolerance * here.objective:
             break

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mgs.contact import Side
-from mgs.errors import IkError
+from mgs.errors import ConfigError, IkError
 from mgs.geometry import rotations_from_quat_xyzw
 from mgs.ik_solver.tree_tasks import COM, LEFT_HAND, RIGHT_HAND, SWING, TURN
 from mgs.trajectory_planner import TaskTrajectory
@@ -24,6 +24,16 @@ TOLERANCES = (
     ("CoM", COM, 2e-4, "m"),
     ("swing sole orientation", TURN, 1.7e-4, "rad"),  # 0.01 deg
 )
+
+
+def refuse_torso(tasks: TaskTrajectory, solver: str) -> None:
+    """Raise ConfigError where the gait asks something of the torso, which the tree tasks lack."""
+    if tasks.torso_asked:
+        raise ConfigError(
+            "ik.solver",
+            f"{solver} leaves the torso free, but this gait has channels for it; use ik1 to ik5, "
+            "prioritized or prioritized-acceleration",
+        )
 
 
 def root_spans(tasks: TaskTrajectory) -> Iterator[tuple[int, int]]:

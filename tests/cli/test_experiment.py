@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from mgs.experiments import EXPERIMENTS, Claim
+from mgs.experiments import Claim
 from tests.cli.run import files_below, run, run_process
 
 KEYS = {"id", "claim", "figure", "holds", "note"}
@@ -19,13 +19,14 @@ OTHER = Claim("third", "robots like it", "unknown", "not applicable")
 def play(monkeypatch: pytest.MonkeyPatch, claims: list[Claim]) -> None:
     """Let the experiment be one that finds these claims and draws one figure."""
 
-    def found(folder: Path | None, progress: object) -> list[Claim]:
+    def found(name: str, folder: Path | None, progress: object) -> list[Claim]:
+        assert name == "melson"
         if folder is not None:
             folder.mkdir(parents=True, exist_ok=True)
             (folder / "figure.png").write_bytes(b"")
         return claims
 
-    monkeypatch.setitem(EXPERIMENTS, "melson", found)
+    monkeypatch.setattr("mgs.experiments.run", found)
 
 
 @pytest.mark.parametrize("claims", [[HOLDS, OTHER], [HOLDS, FAILS], [OTHER]])

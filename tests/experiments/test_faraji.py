@@ -9,8 +9,7 @@ import pinocchio as pin
 import pytest
 from PIL import Image
 
-from mgs.experiments import Claim
-from mgs.experiments.faraji import run
+from mgs.experiments import Claim, run
 from mgs.experiments.faraji.runs import ROBOT, Z_MAX, Key, gait_of, run_one
 from mgs.robot import load_robot
 
@@ -20,7 +19,7 @@ TASKS = "ABCDEFGH"
 @pytest.fixture(scope="module")
 def found(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Claim], Path]:
     folder = tmp_path_factory.mktemp("faraji")
-    return {claim.id: claim for claim in run(folder)}, folder
+    return {claim.id: claim for claim in run("faraji", folder)}, folder
 
 
 def test_every_claim_that_applies_holds(found: tuple[dict[str, Claim], Path]):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mgs.contact import Side, Support
 from mgs.dynamics import place_on_soles
 from mgs.errors import OutputExistsError
-from mgs.experiments import Claim, melson
+from mgs.experiments import Claim, melson, run
 from mgs.experiments.melson.claims import all_claims, drift_claims, task_claims, torque_claims
 from mgs.experiments.melson.figures import NAMES, plot_drift, plot_joint
 from mgs.experiments.melson.gravity import gravity_cost, gravity_torques
@@ -218,9 +218,9 @@ def test_run_writes_every_figure(
     study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(melson, "solve", lambda progress: study)
-    claims = melson.run(tmp_path)
+    claims = run("melson", tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(f"{n}.png" for n in NAMES)
     assert len({claim.id for claim in claims}) == len(claims)
     monkeypatch.setattr(melson, "solve", lambda progress: pytest.fail("work before the check"))
     with pytest.raises(OutputExistsError):
-        melson.run(tmp_path, force=False)
+        run("melson", tmp_path, force=False)

@@ -7,15 +7,14 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from mgs.experiments import Claim
-from mgs.experiments.mistry import run
+from mgs.experiments import Claim, run
 
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Claim], Path]:
     folder = tmp_path_factory.mktemp("mistry")
     seen: list[tuple[int, int]] = []
-    claims = run(folder, lambda done, total: seen.append((done, total)))
+    claims = run("mistry", folder, lambda done, total: seen.append((done, total)))
     assert seen[-1][0] == seen[-1][1] == len(seen)
     return {claim.id: claim for claim in claims}, folder
 

@@ -8,7 +8,7 @@ import pytest
 
 from mgs.com_generator.preview import preview_gains
 from mgs.errors import OutputExistsError
-from mgs.experiments import preview
+from mgs.experiments import run
 from mgs.experiments.claim import Claim
 from mgs.experiments.preview.figures import NAMES, plot_step
 from mgs.experiments.preview.servo import Servo, iterated_feedback, simulate, step_reference
@@ -35,10 +35,10 @@ def study() -> Study:
 @pytest.fixture(scope="module")
 def claims(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Claim]:
     folder = tmp_path_factory.mktemp("figures")
-    claims = preview.run(folder)
+    claims = run("preview", folder)
     assert sorted(path.name for path in folder.iterdir()) == sorted(f"{n}.png" for n in NAMES)
     with pytest.raises(OutputExistsError):
-        preview.run(folder, force=False)
+        run("preview", folder, force=False)
     return {claim.id: claim for claim in claims}
 
 

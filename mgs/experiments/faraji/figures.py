@@ -32,7 +32,6 @@ from mgs.report.canvas import (
     SKY,
     VERMILION,
     Figure,
-    figure_paths,
     save_figures,
 )
 from mgs.report.panels import Line, Panel, draw_panels
@@ -56,11 +55,6 @@ LOOKS = {  # colour and line width; wide ones are seen where others run over the
     "ik5": (GREEN, 1.2),
 }
 SPEED_MAX = 4.0  # [rad/s]
-
-
-def refuse_existing(folder: Path, *, force: bool) -> None:
-    """Raise OutputExistsError if a figure is in the way and `force` is not set."""
-    figure_paths(folder, NAMES, "png", force=force)
 
 
 def write_figures(study: Study, folder: Path, *, force: bool) -> list[Path]:

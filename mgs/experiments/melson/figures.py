@@ -8,7 +8,7 @@ import numpy as np
 
 from mgs.contact import Side, Support
 from mgs.experiments.melson.runs import DRIFT_JOINT, SCENARIOS, Array, Study, angle_of, drift_series
-from mgs.report.canvas import BLACK, SKY, VERMILION, Figure, figure_paths, save_figures
+from mgs.report.canvas import BLACK, SKY, VERMILION, Figure, save_figures
 from mgs.report.panels import Line, Panel, draw_panels, shade_single_support
 from mgs.report.poses import Pose, plot_poses
 from mgs.report.robot_drawing import FRONT, RIGHT_SIDE
@@ -17,11 +17,6 @@ JOINTS = ("hip_roll", "knee_pitch", "ankle_roll")
 NAMES = (*JOINTS, "scenario_poses", "drift", "drift_poses")
 LOOKS = {"S1": ("0.65", 3.4), "S2": (SKY, 2.2), "S3": (VERMILION, 1.2)}  # colour, line width
 DRIFT_LOOKS = {"gamma_joint 0": (VERMILION, "-", "o"), "gamma_joint 1": (BLACK, "-", "s")}
-
-
-def refuse_existing(folder: Path, *, force: bool) -> None:
-    """Raise OutputExistsError if a figure is in the way and `force` is not set."""
-    figure_paths(folder, NAMES, "png", force=force)
 
 
 def write_figures(study: Study, folder: Path, *, force: bool) -> list[Path]:

@@ -18,17 +18,12 @@ from mgs.experiments.mistry.runs import (
     Study,
     hand_errors,
 )
-from mgs.report.canvas import BLACK, GREEN, SKY, VERMILION, Figure, figure_paths, save_figures
+from mgs.report.canvas import BLACK, GREEN, SKY, VERMILION, Figure, save_figures
 from mgs.report.panels import Line, Panel, draw_panels, shade_single_support
 
 NAMES = ("sway", "hand_eight", "hand_errors", "handover")
 MM = 1e3
 LOOKS = {TRACKING: (SKY, 2.4), PROJECTED: (VERMILION, 1.4)}
-
-
-def refuse_existing(folder: Path, *, force: bool) -> None:
-    """Raise OutputExistsError if a figure is in the way and `force` is not set."""
-    figure_paths(folder, NAMES, "png", force=force)
 
 
 def write_figures(study: Study, folder: Path, *, force: bool) -> list[Path]:

@@ -18,7 +18,6 @@ from mgs.report.canvas import (
     PURPLE,
     VERMILION,
     Figure,
-    figure_paths,
     save_figures,
 )
 from mgs.report.panels import Line, Panel, draw_panels
@@ -27,11 +26,6 @@ NAMES = ("loop", "step", "fast_steps")
 WINDOWS = {0.4: VERMILION, 0.8: ORANGE, 1.6: GREEN}  # [s] -> colour
 WEIGHTS = {SOFT: (VERMILION, "o"), STIFF: (BLUE, "x")}
 MM = 1e3  # of a metre
-
-
-def refuse_existing(folder: Path, *, force: bool) -> None:
-    """Raise OutputExistsError if a figure is in the way and `force` is not set."""
-    figure_paths(folder, NAMES, "png", force=force)
 
 
 def write_figures(study: Study, folder: Path, *, force: bool) -> list[Path]:

@@ -11,7 +11,7 @@ from mgs.com_generator import generate_com
 from mgs.com_generator.com_trajectory import GRAVITY
 from mgs.com_generator.preview import follow_zmp
 from mgs.contact import Support
-from mgs.experiments.claim import Claim
+from mgs.experiments.claim import Claim, Progress
 from mgs.experiments.preview.servo import (
     Servo,
     iterated_feedback,
@@ -56,8 +56,8 @@ class Study:
     fast_zmp: dict[float, Array]  # weight -> ZMP (M, 2) [m]
 
 
-def solve() -> Study:
-    """Everything that the claims and figures are about."""
+def solve(progress: Progress | None = None) -> Study:
+    """Everything that the claims and figures are about; `progress` is told once, at the end."""
     robot, gait = load_robot("melson"), load_gait(GAIT)
     com_height = plan_motion(robot, gait).com_height
     servos = {
@@ -71,6 +71,8 @@ def solve() -> Study:
         weight: generate_com(fast, servo.parameters).zmp for weight, servo in servos.items()
     }
     zmps = {weight: zmp for weight, (zmp, _) in answers.items()}
+    if progress is not None:
+        progress(1, 1)
     return Study(servos[SOFT], servos[STIFF], step, zmps, answers[SOFT][1], fast, fast_zmp)
 
 
@@ -229,13 +231,15 @@ def _relative(found: Array, expected: Array) -> float:
     return float(np.abs(found / expected - 1.0).max())
 
 
-CLAIMS = (
-    stability_claim,
-    lqr_claim,
-    riccati_claim,
-    preview_claim,
-    window_claim,
-    simulation_claim,
-    step_claim,
-    weight_claim,
-)
+def all_claims(study: Study) -> list[Claim]:
+    """Every claim."""
+    return [
+        stability_claim(study),
+        lqr_claim(study),
+        riccati_claim(study),
+        preview_claim(study),
+        window_claim(study),
+        simulation_claim(study),
+        step_claim(study),
+        weight_claim(study),
+    ]
