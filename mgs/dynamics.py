@@ -86,7 +86,9 @@ def analyse(robot: Robot, q: Array, dt: float, load_left: Array) -> WholeBodyMot
     wrench = _base_wrench_in_world(q, forces[:, :FLOATING_BASE_NV])
     zmp = np.column_stack([-wrench[:, 4], wrench[:, 3]]) / wrench[:, 2:3]
     contacts = share_wrench(wrench, zmp, frames[:, :2, :2], load_left)
-    torque = forces[:, FLOATING_BASE_NV:] - _contact_torques(robot, q, contacts)
+    torque = forces[:, FLOATING_BASE_NV:].copy()
+    del forces  # of a long walk these arrays are the most memory that is taken
+    torque -= _contact_torques(robot, q, contacts)
     torque += robot.armature * a[:, FLOATING_BASE_NV:]  # the rotors, which are no link's inertia
     return WholeBodyMotion(q, v, a, com, zmp, torque, frames[:, :2], frames[:, 2:4], frames[:, 4])
 
