@@ -87,6 +87,7 @@ def walks(draw: st.DrawFn, max_steps: int = 8) -> WalkGait:
         single_support=draw(numbers(0.3, 2.4)),
         lead_out=draw(numbers(1.6, 2.2)),
         step_height=draw(numbers(0.005, 0.04)),
+        landing=draw(st.just(0.0) | numbers(0.0, 0.5)),
         zmp_offset=[draw(numbers(-0.02, 0.02)), draw(numbers(-0.01, 0.01))],
     )
 
@@ -129,6 +130,7 @@ def legal_gaits(draw: st.DrawFn, max_steps: int = 300, longest: float = 20.0) ->
         single_support=draw(numbers(1e-3, longest)),
         lead_out=draw(numbers(preview, longest)),
         step_height=draw(numbers(1e-6, 0.5)),
+        landing=draw(st.just(0.0) | numbers(0.0, 0.5)),
         com_height=draw(st.none() | numbers(1e-3, 3.0)),
         zmp_offset=draw(st.just([0.0, 0.0]) | st.lists(numbers(-1.0, 1.0), min_size=2, max_size=2)),
     )

@@ -42,6 +42,13 @@ class WalkParameters(Model):
     step_height: float = Field(
         0.02, gt=0.0, le=0.5, description="Highest point of the swing sole above the ground [m]."
     )
+    landing: float = Field(
+        0.0,
+        ge=0.0,
+        le=0.5,
+        description="Last part of each single support in which the swing sole is over its footstep "
+        "and comes straight down, slowly: for a ground that is not where it should be.",
+    )
     com_height: float | None = Field(
         None, ge=1e-3, le=3.0, description="Height of the CoM above the ground [m]; null: posture."
     )

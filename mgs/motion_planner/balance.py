@@ -37,6 +37,7 @@ def plan_balance(robot: Robot, gait: BalanceGait) -> MotionPlan:
         footsteps=tuple(Footstep(side, 0.0, 0.5 * side.sign * width, 0.0) for side in Side),
         phases=(Phase(0, n_samples, Support.DOUBLE, (0, 1)),),
         step_height=0.0,
+        landing=0.0,
         com_height=balance.com_height or float(rest.com[2]),
         zmp_offset=(0.0, 0.0),
         hand_offsets=np.where(asked, rest.hands - rest.com, np.nan),

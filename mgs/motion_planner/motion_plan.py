@@ -57,6 +57,7 @@ class MotionPlan:
     footsteps: tuple[Footstep, ...]  # the two initial ones first, then one per step
     phases: tuple[Phase, ...]
     step_height: float  # [m]
+    landing: float  # part of a single support in which the swing sole comes straight down
     com_height: float  # [m]
     zmp_offset: tuple[float, float]  # forward and inward of the sole centre [m]
     hand_offsets: Array  # (2, 3) hands from the CoM, axes turned with the heading; NaN: free [m]

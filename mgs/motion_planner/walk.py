@@ -38,6 +38,7 @@ def plan_walk(robot: Robot, gait: WalkGait) -> MotionPlan:
         footsteps=footsteps,
         phases=_plan_phases(walk, gait.dt, first_support),
         step_height=walk.step_height,
+        landing=walk.landing,
         com_height=walk.com_height or float(rest.com[2]),
         zmp_offset=(walk.zmp_offset[0], walk.zmp_offset[1]),
         hand_offsets=rest.hands - rest.com,

@@ -2,7 +2,9 @@
 
 The ZMP rests at a place inside the support sole and moves to the next one by a minimum-jerk blend
 while both soles are down. A swing sole follows the same blend along the ground and a bump of
-step_height above it, so that it lifts off and lands without speed or acceleration.
+step_height above it, so that it lifts off and lands without speed or acceleration. With a landing
+it is over its footstep earlier and comes straight down the last bit at a third of step_height per
+single support: a sole that meets the ground before its time then neither scuffs nor hits it fast.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ from mgs.motion_planner import MotionPlan, Phase
 from mgs.trajectory_planner.task_trajectory import TaskTrajectory
 
 Array = NDArray[np.float64]
+LANDING_SPEED = 1.0 / 3.0  # on average, in step heights per single support
 
 
 def plan_walk_trajectories(plan: MotionPlan) -> TaskTrajectory:
@@ -96,8 +99,19 @@ def _swing(
     swing = plan.footsteps[phase.target].side
     s = np.arange(phase.end - phase.start) / (phase.end - phase.start)
     start, target = poses[phase.feet[swing]], poses[phase.target]
-    planar[phase.start : phase.end, swing] = start + quintic(s)[:, None] * (target - start)
-    height[phase.start : phase.end, swing] = plan.step_height * bump(s)
+    over = quintic(s / (1.0 - plan.landing))
+    planar[phase.start : phase.end, swing] = start + over[:, None] * (target - start)
+    height[phase.start : phase.end, swing] = plan.step_height * _swing_height(s, plan.landing)
+
+
+def _swing_height(s: Array, landing: float) -> Array:
+    """Height (N,) of the swing sole over its step height at parts s (N,) of a single support."""
+    if landing == 0.0:
+        return bump(s)
+    above, low = 1.0 - landing, LANDING_SPEED * landing
+    up, down = quintic(2.0 * s / above), quintic(2.0 * s / above - 1.0)
+    last = quintic(np.clip(s - above, 0.0, landing) / landing)
+    return up - (1.0 - low) * down - low * last
 
 
 def _sole_poses(planar: Array, height: Array) -> Array:

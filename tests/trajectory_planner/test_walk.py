@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -67,15 +68,19 @@ def test_the_ik_changes_its_sole_only_when_both_are_down(gait: Gait):
     assert len(changes) == gait.walk.n_steps - 1  # once between any two steps
 
 
+@pytest.mark.parametrize("landing", [0.0, 0.3])
 @pytest.mark.parametrize("coordinate", ["x", "y", "z", "yaw"])
-def test_a_swing_sole_lifts_off_and_lands_without_speed_or_acceleration(coordinate: str):
+def test_a_swing_sole_lifts_off_and_lands_without_speed_or_acceleration(
+    coordinate: str, landing: float
+):
     """Differences over h of a motion with bounded jerk: speed within j h^2, acceleration j h."""
-    plan, tasks = tasks_of(walk_gait(**FINE, lateral=0.02, step_width=0.12))
+    plan, tasks = tasks_of(walk_gait(**FINE, lateral=0.02, step_width=0.12, landing=landing))
     h, duration = plan.dt, 0.5
     planar = np.concatenate([tasks.soles[..., :3], yaw(tasks.soles[..., 3:])[..., None]], axis=-1)
     path = planar[..., ["x", "y", "z", "yaw"].index(coordinate)]
     size = {"x": 0.1, "y": 0.1, "z": plan.step_height, "yaw": 0.2}[coordinate]  # two steps
     jerk = 400.0 * size / duration**3  # 60 (quintic) and 384 (bump) at the ends
+    jerk /= (1.0 - landing) ** 3
     for phase, side in swings(plan):
         for k in (phase.start, phase.end):
             v = (path[k + 1, side] - path[k - 1, side]) / (2.0 * h)
@@ -94,8 +99,25 @@ def test_a_swing_sole_lands_on_its_footstep_and_clears_the_ground_by_the_step_he
         height = tasks.soles[phase.start : phase.end, side, 2]
         assert height.min() == height[0] == 0.0
         assert height.max() <= plan.step_height * (1.0 + 1e-12)
-        # the top is flat: half a sample beside it costs 3 / n^2 of the height
-        assert height.max() >= plan.step_height * (1.0 - 4.0 / len(height) ** 2)
+        # the top is flat: half a sample beside it costs 3 / n^2 of the height, or with a landing
+        # 10 / m^3 of m samples above it
+        above = (1.0 - plan.landing) * len(height)
+        assert height.max() >= plan.step_height * (1.0 - 4.0 / above**2 - 10.0 / above**3)
+
+
+@given(walks())
+def test_a_sole_with_a_landing_comes_straight_and_slowly_down(gait: Gait):
+    plan, tasks = tasks_of(gait)
+    for phase, side in swings(plan):
+        n = phase.end - phase.start
+        last = slice(phase.start + math.ceil((1.0 - plan.landing) * n), phase.end + 1)
+        sole = tasks.soles[last, side]
+        assert_allclose(sole[:, :2], np.tile(sole[-1:, :2], (len(sole), 1)), atol=1e-15)
+        assert_allclose(np.abs(sole[:, 3:] @ sole[-1, 3:]), 1.0, atol=1e-15)
+        assert np.all(sole[:, 2] <= plan.step_height * plan.landing / 3.0 * (1.0 + 1e-9))
+        # the fastest that a minimum-jerk blend gets is 15/8 of its mean
+        assert np.all(np.diff(sole[:, 2]) * n >= -plan.step_height / 3.0 * 15.0 / 8.0 * 1.001)
+        assert np.all(np.diff(sole[:, 2]) <= 1e-15)
 
 
 @given(walks())
