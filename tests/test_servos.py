@@ -20,12 +20,12 @@ def without_ticks(servos: Servos) -> Servos:
 
 
 def test_stiffness_follows_from_the_compliance_slope(melson: Robot):
-    """At slope 32 the torque is the stall torque 32 steps of 300 deg / 1024 away."""
+    """At slope 16 the torque is the stall torque 16 steps of 300 deg / 1024 away."""
     servos = servos_of(melson)
-    expected = melson.torque_limit / (32 * np.radians(300 / 1024))
+    expected = melson.torque_limit / (16 * np.radians(300 / 1024))
     np.testing.assert_allclose(servos.stiffness, expected, rtol=1e-3)
     assert servos.stiffness[melson.joint_names.index("left_knee_pitch")] == pytest.approx(
-        17.1, abs=0.1
+        34.2, abs=0.1
     )
 
 
@@ -33,7 +33,7 @@ def test_damping_is_the_back_emf_unless_given(melson: Robot):
     np.testing.assert_array_equal(
         servos_of(melson).damping, melson.torque_limit / melson.no_load_speed
     )
-    text = melson.yaml.replace("compliance_slope: 32", "compliance_slope: 32, damping: 0.3")
+    text = melson.yaml.replace("compliance_slope: 16", "compliance_slope: 16, damping: 0.3")
     servos = servos_of(build_robot(text, melson.urdf, "damped"))
     np.testing.assert_array_equal(servos.damping, 0.3)
 
@@ -59,7 +59,7 @@ def test_a_servo_that_no_joint_uses_needs_no_stiffness(melson: Robot):
 
 
 def test_servos_without_stiffness_are_all_named(melson: Robot):
-    text = melson.yaml.replace("compliance_slope: 32, ", "")
+    text = melson.yaml.replace("compliance_slope: 16, ", "")
     robot = build_robot(text, melson.urdf, "my/robot.yaml")
     assert not is_modelled(robot)
     with pytest.raises(ConfigError) as caught:

@@ -230,7 +230,7 @@ def test_a_servo_without_stiffness_is_an_error_that_says_what_to_write(
     walk_file: Path, tmp_path: Path, command: str
 ):
     motion = read_motion(walk_file)
-    text = motion.robot.yaml.replace("compliance_slope: 32, ", "")
+    text = motion.robot.yaml.replace("compliance_slope: 16, ", "")
     bare = dataclasses.replace(motion, robot=build_robot(text, motion.robot.urdf, "bare"))
     write_motion(bare, tmp_path / "bare.mcap")
     result = run(command, tmp_path / "bare.mcap", "--servo", "model")

@@ -46,7 +46,8 @@ def solve(progress: Progress | None = None) -> Study:
             f"ik.gamma_grav={gamma_grav}",
             "ik.iterations=0",
             "com.passes=0",  # each would correct the CoM for its own joints: one task for all
-            "ik.double_support=off",  # as in the paper
+            "ik.double_support=off",  # this and the next as in the paper
+            "walk.zmp_offset=[0, 0]",
         )
         done[name] = generate(robot, load_gait(gait, settings), gait)
         if progress is not None:
