@@ -51,7 +51,7 @@ class Servos:
 
     def friction(self, v: Array) -> Array:
         """Torque (..., n) [N m] by which gears brake joints at v (..., n) [rad/s]."""
-        sliding = np.clip(v, -SLIP_SPEED, SLIP_SPEED) / SLIP_SPEED
+        sliding = np.minimum(np.maximum(v / SLIP_SPEED, -1.0), 1.0)
         return np.asarray(self.coulomb_friction * sliding + self.viscous_friction * v)
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mgs.checks import Check
-from mgs.sim import Replay, ServoName
+from mgs.sim import Agreement, Replay, ServoName, agreement
 from mgs.sim.playback import FALL_TILT
 
 POSITION_RATIO, POSITION_FLOOR = 0.10, 0.020  # of the distance; [m]
@@ -40,8 +40,14 @@ class Verdict:
         """Servos that all replays had; None without replays."""
         return self.replays[0].servo if self.replays else None
 
+    @property
+    def agreement(self) -> Agreement | None:
+        """How far the engines agree; None unless there are two replays."""
+        return agreement(*self.replays) if len(self.replays) == 2 else None
+
     def to_dict(self) -> dict[str, object]:
         """The verdict as plain data, in the shape that `mgs validate --json` prints."""
+        agreed = self.agreement
         return {
             "file": self.file,
             "verdict": "pass" if self.passed else "fail",
@@ -49,6 +55,7 @@ class Verdict:
             "servo": self.servo,
             "physics": [replay.engine for replay in self.replays],  # empty: static checks alone
             "replays": [replay.to_json() for replay in self.replays],
+            "agreement": None if agreed is None else agreed.to_dict(),
             "monte_carlo": self.monte_carlo,
         }
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -21,13 +22,21 @@ if TYPE_CHECKING:
     from mgs.checks import Check
     from mgs.motion import Motion
     from mgs.robustness import Robustness
-    from mgs.sim import EngineName, Replay, ServoName, Settings
+    from mgs.sim import Agreement, EngineName, Replay, ServoName, Settings
     from mgs.sim.conditions import Conditions
 
-servo_option = click.option(
-    "--servo", type=click.Choice(["ideal", "model"]), default="ideal",
-    help="Ideal servos, or those that robot.yaml describes. Default: ideal.",
-)  # fmt: skip
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def servo_option_of(default: str) -> Callable[[F], F]:
+    """The option --servo with a default."""
+    return click.option(
+        "--servo", type=click.Choice(["ideal", "model"]), default=default,
+        help=f"Ideal servos, or those that robot.yaml describes. Default: {default}.",
+    )  # fmt: skip
+
+
+servo_option = servo_option_of("ideal")
 feed_forward_option = click.option(
     "--feed-forward/--no-feed-forward", default=None,
     help="Tell modelled servos what makes up for their droop, or the planned angles. Default: yes.",
@@ -92,7 +101,7 @@ def validate(
     from mgs.sim.conditions import RANGES, draw
     from mgs.verdict import judge
 
-    engines = _engines(physics)
+    engines = engines_of(physics)
     _check_servo(servo, feed_forward)
     motion = read_motion(file)
     if servo == "model":
@@ -113,6 +122,8 @@ def validate(
             click.echo(_line(check))
         for replay in replays:
             click.echo(_sentence(replay))
+        if (agreed := verdict.agreement) is not None:
+            click.echo(_agreement(agreed))
         for result in found:
             click.echo(_survival(result))
         if not engines:
@@ -161,7 +172,7 @@ def replay(
     from mgs.sim import DEFAULTS
 
     _check_servo(servo, feed_forward)
-    name = engine or _engines(None)[0]
+    name = engine or engines_of(None)[0]
     changes = {"dt": step, "iterations": iterations, "friction": friction}
     given = {key: value for key, value in changes.items() if value is not None}
     settings = dataclasses.replace(DEFAULTS[name], **given)  # type: ignore[arg-type]
@@ -173,7 +184,7 @@ def replay(
     ctx.exit(1 if result.fell else 0)
 
 
-def _engines(physics: str | None) -> list[EngineName]:
+def engines_of(physics: str | None) -> list[EngineName]:
     """Engines asked for, or all that are installed."""
     from mgs.errors import SimulationError
     from mgs.sim import ENGINES, available_engines
@@ -249,6 +260,16 @@ def _survival(found: Robustness) -> str:
         told = (f"{o['parameter']} ({o['probability']:.2f})" for o in worst[:3])
         text += f"; falls go with {', '.join(told)}"
     return text
+
+
+def _agreement(found: Agreement) -> str:
+    apart = (
+        f"loads on the soles {100.0 * found.load:.0f} % of the weight and ZMP "
+        f"{1e3 * found.zmp:.1f} mm rms, tilt {found.tilt_deg:.1f} deg, "
+        f"end {1e3 * found.end_position:.1f} mm and {found.end_yaw_deg:.1f} deg"
+    )
+    fate = "" if found.same_fate else "; they DISAGREE on whether it falls"
+    return f"{' and '.join(found.engines)} differ by: {apart}{fate}"
 
 
 def _sentence(replay: Replay) -> str:

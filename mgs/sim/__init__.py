@@ -1,5 +1,6 @@
 """Open-loop replay of motions in physics engines."""
 
+from mgs.sim.agreement import Agreement, agreement
 from mgs.sim.engine import available_engines
 from mgs.sim.playback import Progress
 from mgs.sim.replay import Replay, Trace, replay
@@ -9,12 +10,14 @@ __all__ = [
     "DEFAULTS",
     "ENGINES",
     "SERVOS",
+    "Agreement",
     "EngineName",
     "Progress",
     "Replay",
     "ServoName",
     "Settings",
     "Trace",
+    "agreement",
     "available_engines",
     "replay",
 ]

@@ -52,6 +52,13 @@ class Engine(Protocol):
     def read(self) -> Array:
         """Current q (7 + n,); not finite once the simulation has diverged."""
 
+    def contacts(self) -> Array:
+        """What the floor does to the soles (2, 5) in the last step.
+
+        Force x, y, z [N], and the first moments of its vertical part, sums of z force times x and
+        times y [N m]: divided by the vertical force they are the centre of pressure.
+        """
+
     def inspect(self) -> EngineModel:
         """The robot as the engine understands it, at the current q."""
 

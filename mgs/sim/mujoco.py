@@ -48,6 +48,9 @@ class MujocoEngine:
         self._bodies = [
             self._model.body(link_name(robot, joint)).id for joint in range(1, robot.model.njoints)
         ]
+        feet = [robot.model.frames[frame].parentJoint for frame in robot.sole_frames]
+        side_of_body = {self._bodies[joint - 1]: side for side, joint in enumerate(feet)}
+        self._side_of_geom = [side_of_body.get(body, -1) for body in self._model.geom_bodyid]
 
     @property
     def version(self) -> str:
@@ -100,6 +103,20 @@ class MujocoEngine:
             return np.full(self._robot.model.nq, np.nan)
         qpos = self._data.qpos
         return np.concatenate([qpos[:3], qpos[3:7][XYZW_FROM_WXYZ], qpos[self._angles]])
+
+    def contacts(self) -> Array:
+        """What the floor does to the soles (2, 5): forces [N], first moments [N m]."""
+        data, found, force = self._data, np.zeros((2, 5)), np.empty(6)
+        for i, pair in enumerate(data.contact.geom[: data.ncon].tolist()):
+            first, second = (self._side_of_geom[geom] for geom in pair)
+            side = max(first, second)
+            if side < 0:
+                continue
+            self._mj.mj_contactForce(self._model, data, i, force)
+            on_second = force[:3] @ data.contact.frame[i].reshape(3, 3)
+            f = on_second if second == side else -on_second
+            found[side] += [*f, *(f[2] * data.contact.pos[i, :2])]
+        return found
 
     def inspect(self) -> EngineModel:
         """The robot as MuJoCo understands it."""

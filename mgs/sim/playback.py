@@ -42,6 +42,7 @@ class Recording:
     plan: NDArray[np.intp]  # (M,) sample of the motion; the last one stays during the tail
     q: Array  # (M, 7 + n) as in `Robot`
     torque: Array  # (M, n) mean over the sampling period before [N m]
+    contacts: Array  # (M, 2, 5) of the soles in the last step, as `Engine.contacts` has them
     effort: Effort
 
 
@@ -79,20 +80,22 @@ def play(
     torque = np.zeros((n_steps, robot.n))
     for _ in range(round(settings.settle / motion.dt)):
         torque, _ = drive(*targets.begin)
-    q, torques = [_read(engine, 0.0)], [torque.mean(axis=0)]
-    end = len(plan)
+    q, torques, contacts = [_read(engine, 0.0)], [torque.mean(axis=0)], [engine.contacts()]
+    end, data, (_, up_plan) = len(plan), robot.model.createData(), poses_along(robot, motion.q)
     for k in range(1, len(plan)):
         torque, limited = drive(*targets.before(k))
         effort.add(torque, limited)
         q.append(_read(engine, k * motion.dt))
         torques.append(torque.mean(axis=0))
-        if end == len(plan) and is_down(robot, q[k], motion.q[plan[k]]):
+        contacts.append(engine.contacts())
+        _, up = poses_along(robot, q[k][None], data)
+        if end == len(plan) and fallen(up[0], up_plan[plan[k]], q[k][2], motion.q[plan[k], 2]):
             end = min(end, k + 1 + round(AFTER_FALL / motion.dt))
         if progress is not None:
             progress(k, len(plan) - 1)
         if k + 1 >= end:
             break
-    return Recording(plan=plan[: len(q)], q=np.array(q), torque=np.array(torques), effort=effort)
+    return Recording(plan[: len(q)], np.array(q), np.array(torques), np.array(contacts), effort)
 
 
 Drive = Callable[[Array, Array], tuple[Array, NDArray[np.bool_] | None]]
@@ -143,21 +146,15 @@ def on_ground(robot: Robot, q: Array) -> Array:
     return out
 
 
-def is_down(robot: Robot, q: Array, q_plan: Array) -> bool:
-    """Whether the robot at q (7 + n,) is too far from the plan's posture to be called standing."""
-    _, up = poses_along(robot, np.stack([q, q_plan]))
-    return bool(fallen(up[0], up[1], q[2], q_plan[2]))
-
-
 def fallen(up: Array, up_plan: Array, height: Array, height_plan: Array) -> NDArray[np.bool_]:
     """Where (...) the torso's vertical (..., 3) or the base's height (...) [m] gave up the plan."""
     down = (angle_between(up, up_plan) > FALL_TILT) | (height < FALL_HEIGHT * height_plan)
     return np.asarray(down)
 
 
-def poses_along(robot: Robot, q: Array) -> tuple[Array, Array]:
+def poses_along(robot: Robot, q: Array, data: pin.Data | None = None) -> tuple[Array, Array]:
     """Soles (M, 2, 7) and the world's vertical seen from the torso (M, 3) at q (M, 7 + n)."""
-    data = robot.model.createData()
+    data = robot.model.createData() if data is None else data
     soles, up = np.empty((len(q), 2, 7)), np.empty((len(q), 3))
     for k, row in enumerate(q):
         pin.framesForwardKinematics(robot.model, data, row)

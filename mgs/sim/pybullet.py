@@ -55,6 +55,8 @@ class PybulletEngine:
         self._add_ground()
         self._body = self._load_robot()
         self._joints = self._joint_indices()
+        feet = [robot.model.frames[frame].parentJoint for frame in robot.sole_frames]
+        self._side_of_link = {self._joints[joint - 2]: side for side, joint in enumerate(feet)}
         self._quiet_links()
 
     @property
@@ -143,6 +145,18 @@ class PybulletEngine:
         base = self._base_pose()
         states = self._p.getJointStates(self._body, self._joints, self._client)
         return np.concatenate([base, [state[0] for state in states]])
+
+    def contacts(self) -> Array:
+        """What the floor does to the soles (2, 5): forces [N], first moments [N m]."""
+        found = np.zeros((2, 5))
+        for point in self._p.getContactPoints(bodyA=self._body, physicsClientId=self._client):
+            side = self._side_of_link.get(point[3], -1)
+            if side < 0:
+                continue
+            (x, y, _), parts = point[5], zip((7, 11, 13), (9, 10, 12), strict=True)
+            f = sum(point[size] * np.array(point[axis]) for axis, size in parts)
+            found[side] += [*f, f[2] * x, f[2] * y]
+        return found
 
     def inspect(self) -> EngineModel:
         """The robot as PyBullet understands it."""

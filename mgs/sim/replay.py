@@ -45,6 +45,7 @@ class Trace:
     q: Array  # (M, 7 + n) base position, base quaternion xyzw, joint angles
     torque: Array  # (M, n) of the servos, mean over the sampling period before
     soles: Array  # (M, 2, 7) x, y, z, quaternion xyzw
+    contacts: Array  # (M, 2, 5) of the soles: force x, y, z [N], first moments x, y [N m]
     tilt: Array  # (M,) of the torso against the plan [rad]
 
 
@@ -180,7 +181,7 @@ def _figures(motion: Motion, recording: Recording) -> dict[str, Any]:
         "max_tilt_deg": float(np.degrees(tilt.max())),
         "max_tilt_time": float(t[tilt.argmax()]),
         "min_base_height": float(q[:, 2].min()),
-        "trace": Trace(t, recording.plan, q, recording.torque, soles, tilt),
+        "trace": Trace(t, recording.plan, q, recording.torque, soles, recording.contacts, tilt),
         **_travel_figures(motion, soles),
         **_joint_figures(q - q_plan),
         **_effort_figures(motion, recording),

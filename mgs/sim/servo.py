@@ -17,6 +17,8 @@ from mgs.servos import Servos
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
+NO_TICK = 1e-12  # [rad] resolution of a servo that has none
+LEAST_DAMPING = 1e-9  # [N m s/rad]; where it is 0 the speed-torque line ends a motion
 AT_LIMIT = 1e-3  # of the stall torque: so near the speed-torque line a servo is at its limit
 
 
@@ -43,17 +45,23 @@ class ServoModel:
 
     def __init__(self, servos: Servos, dt: float) -> None:
         """Prepare for physics steps of dt [s]; latencies become whole steps."""
-        self._servos = servos
-        self.delay = np.rint(servos.latency / dt).astype(np.intp)  # (n,) [steps]
+        self._servos = s = servos
+        self.delay = np.rint(s.latency / dt).astype(np.intp)  # (n,) [steps]
         self._memory = int(self.delay.max(initial=0))
         self._told: Array | None = None  # (memory, n) commands that are still under way
+        self._tick = np.maximum(s.resolution, NO_TICK)
+        self._line = s.stall_torque / s.no_load_speed
+        self._margin = AT_LIMIT * s.stall_torque
+        self._brake = np.maximum(s.damping + s.viscous_friction, LEAST_DAMPING)
+        by_line = (s.stall_torque - s.coulomb_friction) / (self._line + s.viscous_friction)
+        self._fastest = np.maximum(by_line, 0.0)
 
     def drive(self, engine: Pushed, commands: Array) -> tuple[Array, Bools]:
         """Make k steps under commands (k, n); returns torques (k, n) [N m] and which are limits."""
         torques, limited = np.empty_like(commands), np.empty(commands.shape, dtype=np.bool_)
         state = engine.joints()
-        for k, command in enumerate(self._delayed(commands)):
-            torque, free_speed, limited[k] = self.torque(command, state.position, state.velocity)
+        for k, command in enumerate(self._in_ticks(self._delayed(commands))):
+            torque, free_speed, limited[k] = self._torque(command, state.position, state.velocity)
             state = engine.push(torque, free_speed)
             torques[k] = state.torque
         return torques, limited
@@ -75,38 +83,29 @@ class ServoModel:
             q: joint angles (n,) [rad].
             v: joint speeds (n,) [rad/s].
         """
-        s = self._servos
-        drive = self._drive(self._in_ticks(command) - self._in_ticks(q))
-        wanted = drive - s.damping * v
-        most = s.stall_torque * np.minimum(1.0, 1.0 - v / s.no_load_speed)
-        least = s.stall_torque * np.maximum(-1.0, -1.0 - v / s.no_load_speed)
-        motor = np.clip(wanted, least, most)
-        margin = AT_LIMIT * s.stall_torque
-        limited = (wanted >= most - margin) | (wanted <= least + margin)
-        torque = motor - s.friction(v)
-        free_speed = self._free_speed(drive)
-        free_speed = np.where(torque > 0.0, np.maximum(free_speed, v), np.minimum(free_speed, v))
-        return torque, free_speed, limited
+        return self._torque(self._in_ticks(command), q, v)
 
     def _in_ticks(self, angle: Array) -> Array:
-        tick = self._servos.resolution
-        rounded = np.rint(angle / np.where(tick > 0.0, tick, 1.0)) * tick
-        return np.where(tick > 0.0, rounded, angle)
+        return np.asarray(np.rint(angle / self._tick) * self._tick)
 
-    def _drive(self, error: Array) -> Array:
+    def _torque(self, command: Array, q: Array, v: Array) -> tuple[Array, Array, Bools]:
+        """As `torque`, of a command that is whole ticks.
+
+        Once a physics step: plain ufuncs, whose call is all that they cost.
+        """
         s = self._servos
+        error = command - self._in_ticks(q)
         beyond = np.abs(error) - s.deadband
         # a whole number of ticks equals the deadband only up to rounding
         drive = np.where(beyond > 1e-9, s.stiffness * beyond + s.punch, 0.0)
-        return np.asarray(np.sign(error) * drive)
-
-    def _free_speed(self, drive: Array) -> Array:
-        """Speed (n,) at which nothing is left of a drive (n,), on its own or at the line."""
-        s = self._servos
-        least = 1e-9  # [N m s/rad]: damping may be 0, then the line ends it
-        by_damping = (np.abs(drive) - s.coulomb_friction) / np.maximum(
-            s.damping + s.viscous_friction, least
-        )
-        line = s.stall_torque / s.no_load_speed
-        by_line = (s.stall_torque - s.coulomb_friction) / (line + s.viscous_friction)
-        return np.asarray(np.sign(drive) * np.maximum(np.minimum(by_damping, by_line), 0.0))
+        # on its own, damping leaves nothing of a drive at this speed; the line may do so before
+        free_speed = np.minimum((drive - s.coulomb_friction) / self._brake, self._fastest)
+        free_speed = np.copysign(np.maximum(free_speed, 0.0), error)
+        wanted = np.copysign(drive, error) - s.damping * v
+        braked = self._line * v
+        most = np.minimum(s.stall_torque, s.stall_torque - braked)
+        least = np.maximum(-s.stall_torque, -s.stall_torque - braked)
+        limited = (wanted >= most - self._margin) | (wanted <= least + self._margin)
+        torque = np.minimum(np.maximum(wanted, least), most) - s.friction(v)
+        free_speed = np.where(torque > 0.0, np.maximum(free_speed, v), np.minimum(free_speed, v))
+        return torque, free_speed, limited

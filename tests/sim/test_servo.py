@@ -130,7 +130,7 @@ def test_torque_and_free_speed_have_the_same_sense():
         v = np.array([speed])
         torque, free, _ = model.torque(np.array([command]), np.zeros(1), v)
         assert torque[0] * (free[0] - speed) >= 0.0
-        zero = model._free_speed(17.1 * np.array([command]))
+        _, zero, _ = model.torque(np.array([command]), np.zeros(1), np.zeros(1))
         if abs(zero[0]) > SLIP_SPEED:  # below, friction is not all there
             at_zero, _, _ = model.torque(np.array([command]), np.zeros(1), zero)
             assert at_zero[0] == pytest.approx(0.0, abs=1e-9)
@@ -204,10 +204,10 @@ def smooth(robot):
     for key in ("resolution: 0.00511", "deadband: 0.00511", "friction: 0.05"):
         assert key in spec
         spec = spec.replace(key, f"{key.split(':')[0]}: 0.0")
-    for punch in ("0.0876", "0.0469"):
+    for punch in ("0.1752", "0.0938"):
         spec = spec.replace(f"punch: {punch}", "punch: 0.0")
     # 32 ticks of 0.00511 rad
-    spec = spec.replace("compliance_slope: 32", "stiffness: 17.1")
+    spec = spec.replace("compliance_slope: 16", "stiffness: 17.1")
     return build_robot(spec, robot.urdf, "smooth")
 
 
@@ -251,7 +251,7 @@ def test_the_same_replay_twice_gives_the_same_figures(engine_name, melson):
 
 
 def test_a_robot_without_stiffness_is_refused(engine_name, melson):
-    robot = build_robot(melson.yaml.replace("compliance_slope: 32, ", ""), melson.urdf, "a.yaml")
+    robot = build_robot(melson.yaml.replace("compliance_slope: 16, ", ""), melson.urdf, "a.yaml")
     with pytest.raises(ConfigError, match=r"a\.yaml: servos\.AX-12: .* give stiffness"):
         replay(standing(robot, 0.1), engine_name, servo="model")
     assert not replay(standing(robot, 0.1), engine_name).fell
@@ -267,7 +267,7 @@ def test_commands_outside_the_joint_limits_are_cut_and_reported(engine_name, mel
     motion = held(build_robot(limited, melson.urdf, "limited"), 0.1)
     result = replay(motion, engine_name, servo="model")
     knee = motion.robot.joint_names.index("left_knee_pitch")
-    wanted = motion.q[0, 7 + knee] + motion.torque[0, knee] / (2.8 / (32 * 0.00511))
+    wanted = motion.q[0, 7 + knee] + motion.torque[0, knee] / (2.8 / (16 * 0.00511))
     assert result.command_clipped_joint == "left_knee_pitch"
     assert result.command_clipped_deg == pytest.approx(np.degrees(0.865 - wanted))
     assert servo_commands(motion).position[:, knee].min() == 0.865
