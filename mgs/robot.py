@@ -423,3 +423,13 @@ def midpoint_width(robot: Robot) -> float:
     pin.framesForwardKinematics(robot.model, data, robot.standing_q)
     left, right = (data.oMf[frame].translation for frame in robot.sole_frames)
     return float(math.hypot(*(left - right)[:2]))
+
+
+def leg_length(robot: Robot) -> float:
+    """Length of the left leg stretched [m]: along its joints, from the first one to the sole."""
+    model, frame = robot.model, robot.model.frames[robot.sole_frames[Side.LEFT]]
+    joint, length = frame.parentJoint, float(np.linalg.norm(frame.placement.translation))
+    while model.parents[joint] != 1:  # 1 is the floating base
+        length += float(np.linalg.norm(model.jointPlacements[joint].translation))
+        joint = model.parents[joint]
+    return length

@@ -16,6 +16,7 @@ PACKAGE = Path(mgs.__file__).parent
 # A module, or a package as a whole, imports only what stands above it here.
 ORDER = [
     "errors",
+    "files",
     "geometry",
     "contact",
     "config",
@@ -38,6 +39,7 @@ ORDER = [
     "sim",
     "verdict",
     "robustness",
+    "envelope",
     "refine",
     "tune",
     "batch",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from mgs import __version__
+from mgs.cli.envelope import envelope
 from mgs.cli.experiment import experiment
 from mgs.cli.generate import generate
 from mgs.cli.inspect import info, plot
@@ -59,5 +60,5 @@ def main() -> None:
     """  # noqa: D301
 
 
-for command in (generate, info, plot, validate, replay, robot, experiment, schema):
+for command in (generate, info, plot, validate, replay, envelope, robot, experiment, schema):
     main.add_command(command)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import secrets
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import BinaryIO
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 import mgs
 from mgs.contact import Support
 from mgs.errors import MgsError, MotionFileError, OutputExistsError
+from mgs.files import part_of
 from mgs.motion import Motion
 from mgs.motion_file.check import find_problem
 from mgs.motion_file.mcap_writer import (
@@ -83,7 +83,7 @@ def _replacing(path: Path) -> Iterator[BinaryIO]:
     """Stream into a file beside `path` that takes its place when all went well, else vanishes."""
     new_folders = [folder for folder in path.parents if not folder.exists()]  # innermost first
     path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f".mgs-{secrets.token_hex(8)}.part")
+    part = part_of(path)
     try:
         with part.open("x+b") as stream:
             yield stream

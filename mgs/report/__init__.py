@@ -1,6 +1,15 @@
 """Figures. The only part of mgs that imports matplotlib."""
 
+from mgs.report.canvas import save_figures
+from mgs.report.envelope import plot_envelope
 from mgs.report.motion_plots import MOTION_PLOTS, plot_motion
 from mgs.report.picture import picture_strip, write_picture
 
-__all__ = ["MOTION_PLOTS", "picture_strip", "plot_motion", "write_picture"]
+__all__ = [
+    "MOTION_PLOTS",
+    "picture_strip",
+    "plot_envelope",
+    "plot_motion",
+    "save_figures",
+    "write_picture",
+]

@@ -6,7 +6,6 @@ matplotlib is used through its objects alone: no pyplot, no global state, no dis
 from __future__ import annotations
 
 import io
-import secrets
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Literal
@@ -18,7 +17,8 @@ from matplotlib.figure import Figure as Figure
 from PIL import Image  # comes with matplotlib
 
 from mgs.contact import Side
-from mgs.errors import MgsError, OutputExistsError
+from mgs.errors import OutputExistsError
+from mgs.files import replace_file
 
 Format = Literal["png", "svg"]
 
@@ -108,7 +108,7 @@ def save_figures(
     """
     paths = figure_paths(folder, figures, fmt, force=force)
     for path, figure in zip(paths, figures.values(), strict=True):
-        _replace(path, _render(figure, fmt, few_colours))
+        replace_file(path, _render(figure, fmt, few_colours))
     return paths
 
 
@@ -125,17 +125,3 @@ def _render(figure: Figure, fmt: Format, few_colours: bool) -> bytes:
         stream = io.BytesIO()
         image.save(stream, "png", optimize=True)
     return stream.getvalue()
-
-
-def _replace(path: Path, content: bytes) -> None:
-    part = path.with_name(f".mgs-{secrets.token_hex(8)}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            part.write_bytes(content)
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise MgsError(f"{path}: cannot be written: {reason}") from error

@@ -1,0 +1,188 @@
+"""mgs envelope."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mgs.cli.common import (
+    FiniteRange,
+    ProgressBar,
+    force_option,
+    json_option,
+    print_json,
+    with_progress,
+)
+from mgs.cli.judge import engines_of, servo_option_of
+from mgs.errors import ConfigError
+
+if TYPE_CHECKING:
+    from mgs.envelope import Envelope
+    from mgs.gait import WalkGait
+    from mgs.robot import Robot
+    from mgs.sim import ServoName
+
+MOST_TIMES = 100
+
+
+@click.command()
+@click.argument("robot_name", metavar="ROBOT")
+@click.option(
+    "--gait", metavar="GAIT.yaml",
+    help="Walk whose steps are varied; default: ten steps in sizes of the robot.",
+)  # fmt: skip
+@click.option(
+    "--set", "assignments", metavar="KEY=VALUE", multiple=True,
+    help="Change a value of that gait, e.g. walk.com_height=0.25; may be repeated.",
+)  # fmt: skip
+@click.option(
+    "--times", metavar="T,T,...",
+    help="Step times [s]; default: six, in proportion to the time constant of the leg.",
+)  # fmt: skip
+@click.option(
+    "--resolution",
+    type=FiniteRange(1e-4, 0.5),
+    help="Of step lengths [m]; default: 2 % of the leg.",
+)
+@click.option(
+    "--physics", metavar="ENGINES", help="pybullet, mujoco or both; default: all present."
+)
+@servo_option_of("model")
+@click.option("--workers", type=click.IntRange(1, 1024), default=1, help="Processes. Default: 1.")
+@click.option(
+    "-o", "--output", type=click.Path(file_okay=False, path_type=Path),
+    help="Folder for map, figures and fastest gait; default outputs/ROBOT/envelope.",
+)  # fmt: skip
+@force_option
+@json_option
+@click.pass_context
+def envelope(
+    ctx: click.Context,
+    robot_name: str,
+    gait: str | None,
+    assignments: tuple[str, ...],
+    times: str | None,
+    resolution: float | None,
+    physics: str | None,
+    servo: ServoName,
+    workers: int,
+    output: Path | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Find how long steps may be, and so how fast ROBOT can walk.
+
+    For each step time the longest step is found whose walk passes all checks and stays up in every
+    engine. Written are envelope.json (every probe, after each step time), envelope.png (the map)
+    and fastest.yaml (the gait with the highest speed). Exit code 1 when nothing passes.
+
+    \b
+    Examples:
+      mgs envelope melson --workers 2
+      mgs envelope coman --gait coman/walk --times 0.6,0.8,1.0 --resolution 0.02
+      mgs envelope melson --servo ideal --set walk.com_height=0.25
+    """  # noqa: D301
+    from mgs.envelope import default_step_times, default_walk, find_envelope
+    from mgs.errors import OutputExistsError
+    from mgs.files import replace_file
+    from mgs.report import plot_envelope, save_figures
+    from mgs.robot import leg_length, load_robot
+
+    robot = load_robot(robot_name)
+    base = _base_gait(robot, robot_name, gait, assignments, default_walk(robot, robot_name))
+    engines = engines_of(physics)
+    if not engines:
+        raise ConfigError("--physics", "none: an envelope is about falling; name an engine")
+    if servo == "model":
+        from mgs.servos import servos_of
+
+        servos_of(robot)  # before the first probe takes its time
+    folder = output or Path("outputs") / Path(robot_name).name / "envelope"
+    record, best = folder / "envelope.json", folder / "fastest.yaml"
+    for path in (record, best, folder / "envelope.png"):
+        if path.is_dir() or (path.exists() and not force):
+            raise OutputExistsError(path)
+
+    def keep(found: Envelope) -> None:
+        replace_file(record, json.dumps(found.to_dict(), indent=2).encode())
+
+    def work(bar: ProgressBar) -> Envelope:
+        return find_envelope(
+            robot,
+            base,
+            _times(times) if times else default_step_times(robot, base.dt),
+            resolution=resolution or round(0.02 * leg_length(robot), 4),
+            engines=tuple(engines),
+            servo=servo,
+            workers=workers,
+            progress=bar,
+            keep=keep,
+        )
+
+    found = with_progress("step times", work)
+    save_figures({"envelope": plot_envelope(found)}, folder, force=True)
+    if (gait_found := found.fastest_gait()) is not None:
+        replace_file(best, gait_found.to_yaml().encode())
+    else:
+        best.unlink(missing_ok=True)
+    if as_json:
+        print_json(found.to_dict())
+    else:
+        _print(found, folder)
+    ctx.exit(0 if gait_found is not None else 1)
+
+
+def _base_gait(
+    robot: Robot, robot_name: str, gait: str | None, assignments: tuple[str, ...], default: WalkGait
+) -> WalkGait:
+    from mgs.gait import WalkGait, load_gait, parse_gait
+
+    sets = (*assignments, f"robot={json.dumps(robot_name)}")
+    if gait is None:
+        found = parse_gait(default.to_yaml(), f"walk of {robot.spec.name}", sets)
+    else:
+        found = load_gait(gait, sets)
+    if not isinstance(found, WalkGait):
+        raise ConfigError(str(gait), f"motion: {found.motion} has no steps; use a gait that walks")
+    return found
+
+
+def _times(text: str) -> list[float]:
+    try:
+        times = sorted({round(float(part), 6) for part in text.split(",")})
+    except ValueError:
+        times = []
+    if not times or not all(0.0 < time <= 60.0 for time in times) or len(times) > MOST_TIMES:
+        raise ConfigError(
+            "--times", f"{text!r}; use up to {MOST_TIMES} numbers of seconds above 0, up to 60, "
+            "with commas"
+        )  # fmt: skip
+    return times
+
+
+def _print(found: Envelope, folder: Path) -> None:
+    for time, probe in found.limits().items():
+        if probe is None:
+            reasons = [p for p in found.probes if p.step_time == time]
+            shortest = min(reasons, key=lambda p: p.step_length)
+            click.echo(f"{time:6.2f} s  no step passes; {', '.join(shortest.failed)}")
+            continue
+        longer = [p for p in found.probes if p.step_time == time and not p.passed]
+        stop = min(longer, key=lambda p: p.step_length, default=None)
+        why = "" if stop is None else f"; {stop.step_length:.3f} m: {', '.join(stop.failed)}"
+        click.echo(
+            f"{time:6.2f} s  {probe.step_length:.3f} m  {probe.speed:.3f} m/s  "
+            f"ZMP margin {1e3 * (probe.zmp_margin or 0.0):.1f} mm{why}"
+        )
+    fastest = found.fastest
+    if fastest is None:
+        click.echo(f"nothing passes; figures in {folder}")
+        return
+    click.echo(
+        f"fastest: {fastest.step_length:.3f} m in {fastest.step_time:.2f} s, "
+        f"{fastest.speed:.3f} m/s, Froude number {found.froude(fastest):.4f} "
+        f"(leg {found.leg_length:.3f} m); {folder / 'fastest.yaml'}"
+    )

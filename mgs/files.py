@@ -1,0 +1,32 @@
+"""Files that are either complete or not there."""
+
+from __future__ import annotations
+
+import secrets
+from pathlib import Path
+
+from mgs.errors import MgsError
+
+
+def part_of(path: Path) -> Path:
+    """Where the content of a file is written before it takes the file's name."""
+    return path.with_name(f".mgs-{secrets.token_hex(8)}.part")
+
+
+def replace_file(path: Path, content: bytes) -> None:
+    """Write a file, its folder too if missing, in place of what is there.
+
+    Raises:
+        MgsError: it cannot be written; what was there before still is.
+    """
+    part = part_of(path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            part.write_bytes(content)
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise MgsError(f"{path}: cannot be written: {reason}") from error

@@ -1,0 +1,80 @@
+"""mgs envelope: a small one for real, and what it refuses before any work."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from mgs.gait import load_gait
+from mgs.robot import find_robot
+from mgs.sim import available_engines
+from tests.cli.run import files_below, run
+
+needs_mujoco = pytest.mark.skipif(
+    "mujoco" not in available_engines(), reason="MuJoCo is not installed"
+)
+SMALL = ("--set", "walk.n_steps=2", "--times", "0.6", "--resolution", "0.15")
+QUICK = (*SMALL, "--physics", "mujoco", "--servo", "ideal")
+
+
+@needs_mujoco
+def test_an_envelope_is_three_files(tmp_path: Path):
+    folder = tmp_path / "out"
+    result = run("envelope", "melson", *QUICK, "-o", folder)
+    assert result.exit_code == 0, result.output
+    assert "fastest: 0.150 m in 0.60 s, 0.250 m/s, Froude number 0.02" in result.output
+    assert set(files_below(folder)) == {"envelope.json", "envelope.png", "fastest.yaml"}
+    gait = load_gait(folder / "fastest.yaml")
+    assert (gait.robot, gait.walk.step_length, gait.walk.n_steps) == ("melson", 0.15, 2)
+    before = files_below(folder)
+    again = run("envelope", "melson", *QUICK, "-o", folder)
+    assert again.exit_code == 1
+    assert "use --force to replace it" in again.output
+    forced = run("envelope", "melson", *QUICK, "-o", folder, "--force", "--json")
+    assert json.loads(forced.stdout) == json.loads(before["envelope.json"])
+    assert files_below(folder) == before
+
+
+@needs_mujoco
+def test_an_envelope_without_any_walk_says_so(tmp_path: Path):
+    high = ("--set", "walk.step_height=0.2")
+    result = run("envelope", "melson", *QUICK, *high, "-o", tmp_path / "out", "--json")
+    assert result.exit_code == 1
+    content = json.loads(result.stdout)
+    assert content["fastest"] is None
+    assert all(probe["failed"] for probe in content["probes"])
+    assert set(files_below(tmp_path / "out")) == {"envelope.json", "envelope.png"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "exit_code", "words"),
+    [
+        (("--times", "0.5,x"), 2, "--times: '0.5,x'; use up to 100 numbers of seconds"),
+        (("--times", "nan"), 2, "--times: 'nan'; use up to 100 numbers"),
+        (("--times", "0.05"), 2, "--times: 0.05 s leaves 0.04 s for walk.single_support, 0.05 s"),
+        (("--resolution", "nan"), 2, "not a finite number"),
+        (("--physics", "none"), 2, "--physics: none: an envelope is about falling"),
+        (("--gait", "melson/sway"), 2, "melson/sway: motion: balance has no steps"),
+        (("--set", "walk.step_hight=1"), 2, "walk.step_hight: unknown key"),
+    ],
+)
+def test_what_cannot_be_done_is_refused_at_once(
+    arguments: tuple[str, ...], exit_code: int, words: str, tmp_path: Path
+):
+    result = run("envelope", "melson", *arguments, "-o", tmp_path / "out")
+    assert result.exit_code == exit_code
+    assert words in result.output
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_robot_whose_servos_are_unknown_needs_ideal_ones(tmp_path: Path):
+    robot = shutil.copytree(find_robot("melson"), tmp_path / "mine")
+    text = (robot / "robot.yaml").read_text()
+    (robot / "robot.yaml").write_text(text.replace("compliance_slope: 16, ", ""))
+    result = run("envelope", robot, "-o", tmp_path / "out")
+    assert result.exit_code == 2
+    assert "give stiffness" in result.output
+    assert not (tmp_path / "out").exists()
