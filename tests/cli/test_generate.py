@@ -57,7 +57,7 @@ def test_json_is_one_object_of_the_agreed_shape(here: Path):
     assert all(0.0 <= value < 1e-3 for value in tracking.values())
     error = summary["zmp_error"]
     assert set(error) == {"before", "after", "passes"} and error["passes"] in range(4)
-    assert 0.0 < error["after"]["mean"] < error["before"]["mean"] < error["before"]["max"] < 0.02
+    assert 0.0 < error["after"]["mean"] < error["before"]["mean"] < error["before"]["max"] < 0.03
     assert set(seconds) >= set(STAGES)
     assert seconds["total"] >= sum(t for stage, t in seconds.items() if stage != "total")
 
@@ -65,7 +65,7 @@ def test_json_is_one_object_of_the_agreed_shape(here: Path):
 def test_the_summary_says_where_how_long_and_how_well(here: Path):
     result = run("generate", *SHORT_WALK, "-o", "walk.mcap")
     assert (result.exit_code, result.stderr) == (0, "")
-    for text in ("walk.mcap", "melson", "3.50 s, 351 samples", "tracking", "to its limit", "ms"):
+    for text in ("walk.mcap", "melson", "3.60 s, 361 samples", "tracking", "to its limit", "ms"):
         assert text in result.stdout
     assert "passes of the dynamic filter" in result.stdout
 
@@ -108,7 +108,7 @@ def test_a_file_in_the_way_is_left_as_it_is(here: Path):
 def test_force_replaces_the_file(here: Path):
     (here / "walk.mcap").write_text("mine")
     assert run("generate", *SHORT_WALK, "-o", "walk.mcap", "--force").exit_code == 0
-    assert read_motion(here / "walk.mcap").n_samples == 351
+    assert read_motion(here / "walk.mcap").n_samples == 361
     assert list(files_below(here)) == ["walk.mcap"]
 
 

@@ -241,6 +241,8 @@ def test_the_response_is_linear_and_the_axes_do_not_mix(seed: int, a: float, b: 
 
 
 def test_the_zmp_of_every_shipped_walk_follows_its_reference_within_2_mm(shipped_walk):
+    if shipped_walk.gait.com.generator == "qp":
+        pytest.skip("the QP departs from the reference on purpose")
     tasks = shipped_walk.stages.tasks
     error = generate_com(tasks, shipped_walk.gait.com).zmp - tasks.zmp_ref  # not yet corrected
     assert np.sqrt(np.mean(np.sum(error**2, axis=1))) < 2e-3
