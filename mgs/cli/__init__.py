@@ -10,6 +10,7 @@ from mgs.cli.experiment import experiment
 from mgs.cli.generate import generate
 from mgs.cli.inspect import info, plot
 from mgs.cli.judge import replay, validate
+from mgs.cli.refine import refine
 from mgs.cli.robot import robot
 from mgs.cli.schema import schema
 from mgs.errors import MgsError
@@ -60,5 +61,16 @@ def main() -> None:
     """  # noqa: D301
 
 
-for command in (generate, info, plot, validate, replay, envelope, robot, experiment, schema):
+for command in (
+    generate,
+    info,
+    plot,
+    validate,
+    replay,
+    envelope,
+    refine,
+    robot,
+    experiment,
+    schema,
+):
     main.add_command(command)

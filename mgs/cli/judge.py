@@ -102,7 +102,7 @@ def validate(
     from mgs.verdict import judge
 
     engines = engines_of(physics)
-    _check_servo(servo, feed_forward)
+    check_servo(servo, feed_forward)
     motion = read_motion(file)
     if servo == "model":
         servos_of(motion.robot)  # before the checks take their time
@@ -171,7 +171,7 @@ def replay(
     from mgs.motion_file import read_motion
     from mgs.sim import DEFAULTS
 
-    _check_servo(servo, feed_forward)
+    check_servo(servo, feed_forward)
     name = engine or engines_of(None)[0]
     changes = {"dt": step, "iterations": iterations, "friction": friction}
     given = {key: value for key, value in changes.items() if value is not None}
@@ -202,7 +202,8 @@ def engines_of(physics: str | None) -> list[EngineName]:
     return [engine for engine in ENGINES if engine in asked]
 
 
-def _check_servo(servo: ServoName, feed_forward: bool | None) -> None:
+def check_servo(servo: ServoName, feed_forward: bool | None) -> None:
+    """Raise ConfigError for feed-forward to servos that have no use for it."""
     if feed_forward and servo == "ideal":
         raise ConfigError("--feed-forward", "an ideal servo has no droop; add --servo model")
 

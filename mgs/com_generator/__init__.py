@@ -1,7 +1,7 @@
 """Stage 3: from the ZMP reference to the motion of the centre of mass."""
 
 from mgs.com_generator.com_trajectory import ComTrajectory
-from mgs.com_generator.correction import correct_com
+from mgs.com_generator.correction import correct_com, rest_window
 from mgs.com_generator.generate import generate_com, planned_zmp
 
-__all__ = ["ComTrajectory", "correct_com", "generate_com", "planned_zmp"]
+__all__ = ["ComTrajectory", "correct_com", "generate_com", "planned_zmp", "rest_window"]

@@ -12,6 +12,7 @@ from mgs.geometry import wrap_angle, yaw_from_quat_xyzw
 
 Array = NDArray[np.float64]
 
+LANDED = 0.05  # of the weight that a sole bears when it has landed
 TOUCHDOWN = 0.02  # [s] at both ends of a support phase that are left out of its slip
 
 
@@ -44,6 +45,35 @@ def largest_slip(soles: Array, support: NDArray[np.int8], dt: float) -> Slip:
             if lengths[k] > worst.distance:
                 worst = Slip(float(lengths[k]), side, start + k)
     return worst
+
+
+@dataclass(frozen=True)
+class Touchdowns:
+    """When swing soles meet the ground, against the plan; late is positive [s]."""
+
+    n: int  # planned within the replay
+    earliest: float = 0.0
+    latest: float = 0.0
+
+
+def touchdowns(contacts: Array, support: NDArray[np.int8], dt: float) -> Touchdowns:
+    """Touchdowns of soles with contacts (M, 2, 5) under the planned support (M,).
+
+    A sole has landed when it bears `LANDED` of the weight, from the middle of its planned swing on;
+    one that has not until the middle of its next swing counts as that late.
+    """
+    vertical = contacts[:, :, 2]
+    landed = vertical > LANDED * vertical.sum(axis=1).mean()
+    late = []
+    for side in Side:
+        swings = _runs(support == Support.single(side.other))
+        for i, (start, end) in enumerate(swings):
+            if end >= len(support):
+                continue
+            begin = (start + end) // 2
+            stop = sum(swings[i + 1]) // 2 if i + 1 < len(swings) else len(support)
+            late.append((begin + int(np.argmax([*landed[begin:stop, side], True])) - end) * dt)
+    return Touchdowns(len(late), min(late, default=0.0), max(late, default=0.0))
 
 
 def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:

@@ -54,7 +54,7 @@ def test_an_envelope_without_any_walk_says_so(tmp_path: Path):
     [
         (("--times", "0.5,x"), 2, "--times: '0.5,x'; use up to 100 numbers of seconds"),
         (("--times", "nan"), 2, "--times: 'nan'; use up to 100 numbers"),
-        (("--times", "0.05"), 2, "--times: 0.05 s leaves 0.04 s for walk.single_support, 0.05 s"),
+        (("--times", "0.05"), 2, "--times: 0.05 s is too short a step; 0.1 s at least"),
         (("--resolution", "nan"), 2, "not a finite number"),
         (("--physics", "none"), 2, "--physics: none: an envelope is about falling"),
         (("--gait", "melson/sway"), 2, "melson/sway: motion: balance has no steps"),

@@ -1,0 +1,130 @@
+"""mgs refine."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mgs.cli.common import (
+    FiniteRange,
+    ProgressBar,
+    force_option,
+    json_option,
+    motion_argument,
+    print_json,
+    with_progress,
+)
+from mgs.cli.judge import check_servo, engines_of, feed_forward_option, servo_option_of
+from mgs.errors import ConfigError
+
+if TYPE_CHECKING:
+    from mgs.refine import Refinement, Trial
+    from mgs.sim import ServoName
+
+
+@click.command()
+@motion_argument
+@click.option(
+    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
+    help="Motion file to write; default FILE_refined.mcap beside FILE.mcap.",
+)  # fmt: skip
+@click.option("--physics", metavar="ENGINES", help="pybullet, mujoco or both. Default: both.")
+@servo_option_of("model")
+@feed_forward_option
+@click.option(
+    "--attempts", type=click.IntRange(1, 1000), default=6, help="Corrections tried. Default: 6."
+)
+@click.option(
+    "--part", type=FiniteRange(0.05, 1.0), default=0.4,
+    help="Of a deviation that the first correction takes off. Default: 0.4.",
+)  # fmt: skip
+@force_option
+@json_option
+@click.pass_context
+def refine(
+    ctx: click.Context,
+    file: Path,
+    output: Path | None,
+    physics: str | None,
+    servo: ServoName,
+    feed_forward: bool | None,
+    attempts: int,
+    part: float,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Correct a motion by what its replays show.
+
+    Where the robot leans away from its plan, slowly and in every engine, its CoM is planned the
+    other way; a correction is kept if the robot then stays up longer, fails fewer checks or tilts
+    less in every engine. Worth a try for robots that are told the planned angles alone
+    (--no-feed-forward), whose servos give way. Exit code 1, and no file, when nothing is better.
+
+    \b
+    Examples:
+      mgs refine walk.mcap
+      mgs refine walk.mcap -o better.mcap --no-feed-forward --attempts 10
+    """  # noqa: D301
+    from mgs.errors import OutputExistsError
+    from mgs.motion_file import read_motion, write_motion
+    from mgs.refine import refine as run
+
+    check_servo(servo, feed_forward)
+    engines = engines_of(physics)
+    if not engines:
+        raise ConfigError("--physics", "none: there is nothing to learn from; name an engine")
+    path = output or file.with_name(f"{file.stem}_refined.mcap")
+    if path.exists() and not force:
+        raise OutputExistsError(path)
+    motion = read_motion(file)
+
+    def work(bar: ProgressBar) -> Refinement:
+        return run(
+            motion, tuple(engines), servo=servo, feed_forward=feed_forward,
+            attempts=attempts, part=part, progress=bar,
+        )  # fmt: skip
+
+    found = with_progress("replays", work)
+    if found.improved:
+        write_motion(found.motion, path, force=force)
+    if as_json:
+        print_json(
+            {
+                "file": str(path) if found.improved else None,
+                "improved": found.improved,
+                "before": [trial.to_dict() for trial in found.before],
+                "after": [trial.to_dict() for trial in found.after],
+                "attempts": [attempt.to_dict() for attempt in found.attempts],
+            }
+        )
+    else:
+        _print(found, path)
+    ctx.exit(0 if found.improved else 1)
+
+
+def _print(found: Refinement, path: Path) -> None:
+    click.echo("as planned")
+    for trial in found.before:
+        click.echo(f"  {_figures(trial)}")
+    for number, attempt in enumerate(found.attempts, start=1):
+        fate = "kept" if attempt.kept else f"dropped: {attempt.reason}"
+        click.echo(f"correction {number}, {attempt.part:g} of what is off: {fate}")
+        for trial in attempt.trials:
+            click.echo(f"  {_figures(trial)}")
+    if found.improved:
+        click.echo(f"better: {click.format_filename(str(path))}")
+    else:
+        click.echo("nothing was better; no file written")
+
+
+def _figures(trial: Trial) -> str:
+    fate = "stays up" if trial.fall_time is None else f"FELL at {trial.fall_time:.2f} s"
+    failed = f"; fails {', '.join(trial.failed)}" if trial.failed and not trial.fell else ""
+    early, late = 1e3 * trial.touchdown.earliest, 1e3 * trial.touchdown.latest
+    return (
+        f"{trial.engine:8s} {fate}; tilt {trial.tilt_rms_deg:.3f} deg, CoM "
+        f"{1e3 * trial.com_rms:.1f} mm, ZMP {1e3 * trial.zmp_rms:.1f} mm off (rms), "
+        f"touchdowns {early:+.0f} to {late:+.0f} ms{failed}"
+    )
