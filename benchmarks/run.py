@@ -30,7 +30,7 @@ from mgs.motion_file import read_motion, write_motion
 from mgs.pipeline import generate
 from mgs.robot import load_robot
 
-WALK, LONG_WALK = "melson/walk_5cm", "melson/walk_practical"
+WALK, LONG_WALK = "melson/walk_5cm", "melson/walk_backward"
 VARIANTS: dict[str, tuple[str, ...]] = {
     "with the gravity task": (),
     "without": ("ik.gamma_grav=0",),
