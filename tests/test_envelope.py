@@ -174,7 +174,7 @@ def test_the_map_shows_every_probe_near_what_passes():
     )  # fmt: skip
     (axes,) = plot_envelope(found).axes
     labels = axes.get_legend_handles_labels()[1]
-    for text in ("passes", "falls", "servo too slow or weak", "fastest: 0.160 m/s"):
+    for text in ("passes", "falls", "servo too slow or weak", "fastest: 0.16 m/s"):
         assert any(text in label for label in labels), text
     shown = {tuple(map(float, xy)) for line in axes.lines for xy in line.get_xydata()}
     assert {(0.5, 0.08), (0.5, 0.1), (0.7, 0.1), (0.7, 0.12)} <= shown

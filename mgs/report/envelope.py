@@ -44,7 +44,7 @@ def plot_envelope(envelope: Envelope) -> Figure:
     _draw_probes(axes, envelope, top)
     if limits:
         lengths = [probe.step_length for probe in limits.values()]
-        label = "longest that passes, with the plan's least ZMP margin"
+        label = "longest that passes; its least ZMP margin"
         axes.plot(list(limits), lengths, color=INK, linewidth=1.2, label=label)
         for probe in limits.values():
             axes.annotate(
@@ -62,7 +62,7 @@ def plot_envelope(envelope: Envelope) -> Figure:
     fastest = envelope.fastest
     if fastest is not None:
         spot = (fastest.step_time, fastest.step_length)
-        label = f"fastest: {fastest.speed:.3f} m/s, Froude number {envelope.froude(fastest):.3f}"
+        label = f"fastest: {fastest.speed:.2f} m/s, Fr {envelope.froude(fastest):.3f}"
         axes.plot(
             *spot, "o", markersize=12, fillstyle="none", color=BLACK, linestyle="none", label=label
         )
