@@ -226,7 +226,7 @@ def test_by_default_no_shipped_walk_is_off_plan_by_more_than_the_tolerance(shipp
     assert report["after"] == pytest.approx({"mean": error.mean(), "max": error.max()}, rel=1e-9)
     tolerance = shipped_walk.gait.com.zmp_tolerance
     assert error.mean() < 1.1 * tolerance
-    if tolerance == ComParameters().zmp_tolerance:  # one gait asks for less and says why
+    if tolerance == ComParameters().zmp_tolerance:  # the fastest ask for less and say why
         assert error.max() < 1.1e-3  # [m]
         assert error.mean() < report["before"]["mean"] / 10.0
 
