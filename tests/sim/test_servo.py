@@ -277,11 +277,15 @@ def test_commands_outside_the_joint_limits_are_cut_and_reported(engine_name, mel
 @pytest.mark.parametrize("name", ["walk_5cm", "walk_practical"])
 @pytest.mark.parametrize("step", [1.0, 0.5])
 def test_a_walk_stays_up_with_feed_forward_and_falls_without(engine_name, melson, name, step):
-    motion = generate(melson, load_gait(f"melson/{name}"), name).motion
+    """At compliance slope 32, twice as soft as Melson's own setting."""
+    text = melson.yaml.replace("compliance_slope: 16", "compliance_slope: 32")
+    text = text.replace("punch: 0.1752", "punch: 0.0876").replace("punch: 0.0938", "punch: 0.0469")
+    soft = build_robot(text, melson.urdf, "soft")
+    motion = generate(soft, load_gait(f"melson/{name}"), name).motion
     settings = DEFAULTS[engine_name]
     settings = dataclasses.replace(settings, dt=step * settings.dt)
     result = replay(motion, engine_name, settings, servo="model")
     assert not result.fell
     assert result.max_tilt_deg < 2.0
-    assert result.position_error < 0.01
+    assert result.position_error < 0.02
     assert replay(motion, engine_name, settings, servo="model", feed_forward=False).fell
