@@ -41,11 +41,11 @@ from unittest import mock
 
 import numpy as np
 import pinocchio as pin
+from ik_tables import report
 from nonlinear_side import Ik4Problem, Quality, Sample, Slsqp
 from numpy.typing import NDArray
 from run import machine
 from spread import spread
-from tables import table
 
 from mgs.com_generator import ComTrajectory, generate_com
 from mgs.errors import MgsError
@@ -286,6 +286,7 @@ class _SameProblem:
                 "region_excess": float(max(rows[name][:, 2].max(), 0.0)),
             }
         return {
+            "gait": SQUAT,
             "samples": len(self.samples),
             "stretched": sum(sample.is_stretched for sample in self.samples),
             "ways": ways,
@@ -372,100 +373,6 @@ def _imported(name: str) -> tuple[Any, str]:
         return importlib.import_module(name), ""
     except ModuleNotFoundError as error:
         return None, f"{error.name} is not installed"
-
-
-def report(figures: dict[str, Any]) -> str:
-    """The tables."""
-    found = figures["machine"]
-    head = (
-        f"{found['cores']} cores, {found['architecture']}, Python {found['python']}, NumPy "
-        f"{found['numpy']}, SciPy {found['scipy']}, Pinocchio {found['pin']}; "
-        f"{figures['rounds']} rounds, BLAS threads: {found['blas_threads']}."
-    )
-    sections = [head, _solvers(figures["solvers"]), _same(figures["same_problem"])]
-    return "\n\n".join([*sections, _pink(figures["pink"], figures["solvers"])])
-
-
-def _us(seconds: float) -> str:
-    return f"{1e6 * seconds:.0f}"
-
-
-def _solvers(found: dict[str, Any]) -> str:
-    header, names = ["time per solve [us]"], list(found)
-    for name in names:
-        freedom = found[name]["freedom"]
-        header += [f"{name} ({freedom} DoF): least", "median", "p99", "iterations"]
-    labels: list[str] = []
-    for name in names:
-        labels += [label for label in found[name]["times"] if label not in labels]
-    rows, notes = [], []
-    for label in sorted(labels, key=lambda label: list(SOLVERS).index(label.partition(",")[0])):
-        row = [label]
-        for name in names:
-            times = found[name]["times"].get(label)
-            if times is None:
-                row += ["-"] * 4
-                continue
-            spread_of = times["single"] or times["run_mean"]
-            row += [_us(spread_of["least"]), _us(spread_of["median"])]
-            single = times["single"] is not None
-            row += [_us(spread_of["p99"]) if single else "-"]
-            row += [f"{times['iterations']:.1f}" if single else "-"]
-        rows.append(row)
-    for name in names:
-        notes += [f"{label} on {name} {note}." for label, note in found[name]["notes"].items()]
-    text = "ik1 to ik5: single solves; the others, without p99: whole solve / samples."
-    return f"{table(header, rows)}\n\n{' '.join([text, *notes])}"
-
-
-def _same(found: dict[str, Any]) -> str:
-    header = [
-        "ik4's own problem", "least [ms]", "median [ms]", "p99 [ms]", "this / ours",
-        "best of rounds", "iterations, most", "slack [mm]", "slack - ours [um]: least", "median",
-        "most", "hard rows [um, urad]", "region excess",
-    ]  # fmt: skip
-    rows = []
-    for name, way in found["ways"].items():
-        seconds, (iterations, most) = way["seconds"], way["iterations"]
-        rows.append(
-            [
-                name,
-                *(f"{1e3 * seconds[key]:.3f}" for key in ("least", "median", "p99")),
-                f"{way['ratio']:.1f}",
-                f"{way['ratio_of_best']:.1f}",
-                f"{iterations:g}, {most}",
-                f"{1e3 * way['slack']:.3f}",
-                *(f"{1e6 * gap:.2f}" for gap in way["gap"]),
-                f"{1e6 * way['hard_error']:.2g}",
-                f"{way['region_excess']:.1g}",
-            ]
-        )
-    text = (
-        f"{SQUAT}, {found['samples']} samples, {found['stretched']} of them next to a stretched "
-        "knee. Slack, iterations: medians; hard rows and region: the worst sample."
-    )
-    missing = f" Ipopt: {found['missing']}." if found["missing"] else ""
-    return f"{table(header, rows)}\n\n{text}{missing}"
-
-
-def _pink(found: dict[str, Any] | str, solvers: dict[str, Any]) -> str:
-    if isinstance(found, str):
-        return f"pink: {found}."
-    rows = []
-    for name, pink in found.items():
-        for label, ratio in pink["ratio"].items():
-            times = solvers[name]["times"][label]["run_mean"]
-            cells = [_us(times["least"]), _us(times["median"]), f"{ratio:.2f}"]
-            rows.append([f"{name}: mgs {label}", *cells])
-        times = pink["run_mean"]
-        label = f"{name}: pink {pink['version']}"
-        rows.append([label, _us(times["least"]), _us(times["median"]), "1.00"])
-    errors = ", ".join(
-        f"{name}: soles {1e6 * pink['sole_error']:.0f} um, CoM {1e3 * pink['com_error']:.2f} mm"
-        for name, pink in found.items()
-    )
-    header = ["mean step of a run [us]", "least", "median", "pink / this"]
-    return f"{table(header, rows)}\n\npink's largest errors after a step: {errors}."
 
 
 if __name__ == "__main__":

@@ -14,9 +14,8 @@ import multiprocessing
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 
-import numpy as np
-
 from mgs.checks import Check, check_motion
+from mgs.config import build
 from mgs.errors import ConfigError, DivergenceError, InfeasibleGaitError
 from mgs.gait import ComParameters, IkParameters, WalkGait, WalkParameters
 from mgs.motion_planner.walk import MIN_PHASE_SAMPLES
@@ -139,10 +138,9 @@ def with_step(gait: WalkGait, step_time: float, step_length: float) -> WalkGait:
     Raises:
         ConfigError: values that a gait file may not have.
     """
-    phases = _phases(gait, step_time)
-    values = {**gait.model_dump(), "walk": {**gait.walk.model_dump(), **phases}}
-    values["walk"]["step_length"] = step_length
-    return WalkGait.model_validate(values)
+    steps = {**_phases(gait, step_time), "step_length": step_length}
+    values = {**gait.model_dump(), "walk": {**gait.walk.model_dump(), **steps}}
+    return build(WalkGait, values, f"a step of {step_length:g} m in {step_time:g} s")
 
 
 def _phases(gait: WalkGait, step_time: float) -> dict[str, float]:
@@ -260,7 +258,7 @@ def probe(robot: Robot, gait: WalkGait, engines: tuple[EngineName, ...], servo: 
             result = replay(motion, engine, servo=servo)
         except DivergenceError as error:
             return found([f"{engine}_diverged"], str(error), margin, tilt)
-        tilt = float(np.fmax(result.max_tilt_deg, -np.inf if tilt is None else tilt))
+        tilt = max(result.max_tilt_deg, tilt or 0.0)
         failed = _failed(replay_checks(result))
     return found(failed, "", margin, tilt)
 

@@ -45,8 +45,7 @@ class Trial:
     """One motion and what it did in one engine; smaller is better."""
 
     engine: EngineName
-    fell: bool
-    fall_time: float | None  # [s]
+    fall_time: float | None  # [s]; None: it stays up
     failed: tuple[str, ...]  # checks of the replay
     tilt_rms_deg: float  # of the torso against the plan
     com_rms: float  # deviation of the CoM from the plan [m]
@@ -55,9 +54,9 @@ class Trial:
 
     @property
     def score(self) -> tuple[float, int, float]:
-        """Time that it lies on the ground rather than walks, failed checks, tilt."""
-        return (-self.fall_time if self.fall_time is not None else -np.inf, len(self.failed),
-                self.tilt_rms_deg)  # fmt: skip
+        """How soon it falls, failed checks, tilt."""
+        standing = np.inf if self.fall_time is None else self.fall_time
+        return -standing, len(self.failed), self.tilt_rms_deg
 
     def to_dict(self) -> dict[str, object]:
         """Plain data."""
@@ -162,10 +161,10 @@ def refine(
             part *= 0.5
             continue
         best, trials, com, deviation = candidate, now, next_com, next_deviation
-    refinement = Refinement(best, before, tuple(tried))
-    if refinement.improved:
-        best = dataclasses.replace(best, solver={**best.solver, "refined": _provenance(refinement)})
-    return dataclasses.replace(refinement, motion=best)
+    if parts := [attempt.part for attempt in tried if attempt.kept]:
+        refined = {"parts": parts, "engines": list(engines)}
+        best = dataclasses.replace(best, solver={**best.solver, "refined": refined})
+    return Refinement(best, before, tuple(tried))
 
 
 def _motion_of(stages: Stages, com: ComTrajectory) -> Motion:
@@ -211,7 +210,6 @@ def _trial(motion: Motion, load_left: Array, result: Replay) -> tuple[Trial, Arr
     zmp[carried] -= motion.zmp[span][carried]
     trial = Trial(
         engine=result.engine,
-        fell=result.fell,
         fall_time=result.fall_time,
         failed=tuple(check.name for check in replay_checks(result) if not check.ok),
         tilt_rms_deg=float(np.degrees(np.sqrt(np.mean(np.square(trace.tilt))))),
@@ -230,11 +228,6 @@ def _why_not(old: tuple[Trial, ...], new: tuple[Trial, ...]) -> str:
 
 def _n_failed(motion: Motion) -> int:
     return sum(not check.ok for check in check_motion(motion))
-
-
-def _provenance(refinement: Refinement) -> dict[str, object]:
-    parts = [attempt.part for attempt in refinement.attempts if attempt.kept]
-    return {"parts": parts, "engines": [trial.engine for trial in refinement.before]}
 
 
 def _rms(x: Array) -> float:

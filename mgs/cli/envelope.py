@@ -73,7 +73,7 @@ def envelope(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Find how long steps may be, and so how fast ROBOT can walk.
+    """Find how long steps forward may be, and so how fast ROBOT can walk.
 
     For each step time the longest step is found whose walk passes all checks and stays up in every
     engine. Written are envelope.json (every probe, after each step time), envelope.png (the map)
@@ -85,14 +85,14 @@ def envelope(
       mgs envelope coman --gait coman/walk --times 0.6,0.8,1.0 --resolution 0.02
       mgs envelope melson --servo ideal --set walk.com_height=0.25
     """  # noqa: D301
-    from mgs.envelope import default_step_times, default_walk, find_envelope
+    from mgs.envelope import default_step_times, find_envelope
     from mgs.errors import OutputExistsError
     from mgs.files import replace_file
     from mgs.report import plot_envelope, save_figures
     from mgs.robot import leg_length, load_robot
 
     robot = load_robot(robot_name)
-    base = _base_gait(robot, robot_name, gait, assignments, default_walk(robot, robot_name))
+    base = _base_gait(robot, robot_name, gait, assignments)
     engines = engines_of(physics)
     if not engines:
         raise ConfigError("--physics", "none: an envelope is about falling; name an engine")
@@ -136,13 +136,15 @@ def envelope(
 
 
 def _base_gait(
-    robot: Robot, robot_name: str, gait: str | None, assignments: tuple[str, ...], default: WalkGait
+    robot: Robot, robot_name: str, gait: str | None, assignments: tuple[str, ...]
 ) -> WalkGait:
+    from mgs.envelope import default_walk
     from mgs.gait import WalkGait, load_gait, parse_gait
 
     sets = (*assignments, f"robot={json.dumps(robot_name)}")
     if gait is None:
-        found = parse_gait(default.to_yaml(), f"walk of {robot.spec.name}", sets)
+        text = default_walk(robot, robot_name).to_yaml()
+        found = parse_gait(text, f"walk of {robot.spec.name}", sets)
     else:
         found = load_gait(gait, sets)
     if not isinstance(found, WalkGait):

@@ -121,7 +121,9 @@ def _print(found: Refinement, path: Path) -> None:
 
 def _figures(trial: Trial) -> str:
     fate = "stays up" if trial.fall_time is None else f"FELL at {trial.fall_time:.2f} s"
-    failed = f"; fails {', '.join(trial.failed)}" if trial.failed and not trial.fell else ""
+    failed = (
+        f"; fails {', '.join(trial.failed)}" if trial.failed and trial.fall_time is None else ""
+    )
     early, late = 1e3 * trial.touchdown.earliest, 1e3 * trial.touchdown.latest
     return (
         f"{trial.engine:8s} {fate}; tilt {trial.tilt_rms_deg:.3f} deg, CoM "

@@ -59,6 +59,8 @@ def test_an_envelope_without_any_walk_says_so(tmp_path: Path):
         (("--physics", "none"), 2, "--physics: none: an envelope is about falling"),
         (("--gait", "melson/sway"), 2, "melson/sway: motion: balance has no steps"),
         (("--set", "walk.step_hight=1"), 2, "walk.step_hight: unknown key"),
+        (("--set", "walk.n_steps=1"), 2, "n_steps = 1 is the closing step alone"),
+        (("--set", "walk.n_steps=20000", "--times", "60"), 2, "use fewer walk.n_steps"),
     ],
 )
 def test_what_cannot_be_done_is_refused_at_once(
