@@ -54,6 +54,22 @@ def quat_multiply(quat_a: ArrayLike, quat_b: ArrayLike) -> Array:
     return np.concatenate([vector, scalar[..., None]], axis=-1)
 
 
+def slerp(quat_a: ArrayLike, quat_b: ArrayLike, part: ArrayLike) -> Array:
+    """Quaternions (..., 4) a part (...) of the shortest way from unit quaternions a to b.
+
+    Shoemake, "Animating rotation with quaternion curves", SIGGRAPH 1985.
+    """
+    a, b = np.asarray(quat_a, dtype=float), np.asarray(quat_b, dtype=float)
+    s = np.asarray(part, dtype=float)[..., None]
+    b = np.where(np.sum(a * b, axis=-1, keepdims=True) < 0.0, -b, b)
+    angle = 0.5 * rotation_angles(a, b)[..., None]
+    near = angle < 1e-9
+    sine = np.where(near, 1.0, np.sin(angle))
+    weight_a = np.where(near, 1.0 - s, np.sin((1.0 - s) * angle) / sine)
+    weight_b = np.where(near, s, np.sin(s * angle) / sine)
+    return np.asarray(weight_a * a + weight_b * b)
+
+
 def rotations_from_quat_xyzw(quat: ArrayLike) -> Array:
     """Rotation matrices (..., 3, 3) of unit quaternions (..., 4)."""
     x, y, z, w = np.moveaxis(np.asarray(quat, dtype=float), -1, 0)

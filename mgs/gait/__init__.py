@@ -12,9 +12,25 @@ from mgs.gait.balance import (
     RampChannel,
     SineChannel,
 )
-from mgs.gait.ik import FarajiParameters, IkParameters, PrioritizedParameters
-from mgs.gait.kinds import GAITS, BalanceGait, Gait, GaitFile, WalkGait, gait_schema
+from mgs.gait.ik import (
+    FarajiParameters,
+    IkParameters,
+    PrioritizedParameters,
+    WholeBodyIkParameters,
+)
+from mgs.gait.keyframes import Keyframe, KeyframesParameters
+from mgs.gait.kinds import (
+    GAITS,
+    BalanceGait,
+    Gait,
+    GaitFile,
+    KeyframesGait,
+    PickUpGait,
+    WalkGait,
+    gait_schema,
+)
 from mgs.gait.load import find_gait, list_gaits, load_gait, parse_gait, shipped_folder
+from mgs.gait.pick_up import PickUpParameters
 from mgs.gait.walk import ComParameters, WalkParameters
 
 __all__ = [
@@ -30,11 +46,17 @@ __all__ = [
     "Gait",
     "GaitFile",
     "IkParameters",
+    "Keyframe",
+    "KeyframesGait",
+    "KeyframesParameters",
+    "PickUpGait",
+    "PickUpParameters",
     "PrioritizedParameters",
     "RampChannel",
     "SineChannel",
     "WalkGait",
     "WalkParameters",
+    "WholeBodyIkParameters",
     "find_gait",
     "gait_schema",
     "list_gaits",

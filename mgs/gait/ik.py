@@ -179,3 +179,11 @@ class IkParameters(Model):
     faraji: FarajiParameters = FarajiParameters()
     prioritized: PrioritizedParameters = PrioritizedParameters()
     trajectory: TrajectoryParameters = TrajectoryParameters()
+
+
+class WholeBodyIkParameters(IkParameters):
+    """Inverse kinematics where torso and joint postures are asked for too."""
+
+    solver: Literal["ik1", "ik2", "ik3", "ik4", "ik5"] = Field(
+        "ik4", description="Name of the solver."
+    )

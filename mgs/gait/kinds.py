@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
+import numpy as np
 import yaml
+from numpy.typing import NDArray
 from pydantic import Field, TypeAdapter, model_validator
 
 from mgs.config import FormatVersion, Model
 from mgs.gait.balance import COM_TOLERANCE, BalanceParameters
-from mgs.gait.ik import IkParameters
+from mgs.gait.ik import IkParameters, WholeBodyIkParameters
+from mgs.gait.keyframes import KeyframesParameters
+from mgs.gait.pick_up import PickUpParameters
 from mgs.gait.walk import ComParameters, WalkParameters
+from mgs.geometry import quintic
 
+Array = NDArray[np.float64]
 MAX_SAMPLES = 2_000_000  # about 5 GB of arrays
 
 
@@ -29,6 +35,10 @@ class GaitFile(Model):
     def com_tolerance(self) -> float:
         """Largest distance of the CoM from its reference that passes [m]."""
         return COM_TOLERANCE
+
+    def payload(self, times: Array) -> Array | None:
+        """Masses (N, 2) in left and right hand at times (N,) [s]; None: none at any time."""
+        return None
 
     def to_yaml(self) -> str:
         """The gait as resolved, every default written out."""
@@ -88,8 +98,49 @@ class BalanceGait(GaitFile):
         return self
 
 
-Gait = WalkGait | BalanceGait
-GAITS: dict[str, type[WalkGait] | type[BalanceGait]] = {"walk": WalkGait, "balance": BalanceGait}
+class KeyframesGait(GaitFile):
+    """A gait file with `motion: keyframes`."""
+
+    motion: Literal["keyframes"] = Field(description="Kind of motion.")
+    keyframes: KeyframesParameters
+    ik: WholeBodyIkParameters = WholeBodyIkParameters()
+
+    @property
+    def com_tolerance(self) -> float:
+        """Largest distance of the CoM from its reference that passes [m]."""
+        return self.keyframes.com_tolerance
+
+    @model_validator(mode="after")
+    def _fits_into_memory(self) -> KeyframesGait:
+        self._refuse_too_long(self.keyframes.duration, "earlier keyframes.keys")
+        return self
+
+
+class PickUpGait(GaitFile):
+    """A gait file with `motion: pick_up`."""
+
+    motion: Literal["pick_up"] = Field(description="Kind of motion.")
+    pick_up: PickUpParameters
+    ik: WholeBodyIkParameters = WholeBodyIkParameters()
+
+    def payload(self, times: Array) -> Array | None:
+        """Masses (N, 2) in left and right hand [kg]; they grow over the pause."""
+        pick_up = self.pick_up
+        if not pick_up.payload:
+            return None
+        hands = {"left": [1.0, 0.0], "right": [0.0, 1.0], "both": [0.5, 0.5]}[pick_up.hand]
+        begins = pick_up.times[2]
+        taken = quintic((times - begins) / pick_up.pause)
+        return np.asarray(pick_up.payload * taken[:, None] * hands)
+
+
+Gait = WalkGait | BalanceGait | KeyframesGait | PickUpGait
+GAITS: dict[str, type[GaitFile]] = {
+    "walk": WalkGait,
+    "balance": BalanceGait,
+    "keyframes": KeyframesGait,
+    "pick_up": PickUpGait,
+}
 
 
 def gait_schema() -> dict[str, Any]:

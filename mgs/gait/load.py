@@ -10,7 +10,7 @@ from pydantic import create_model
 
 from mgs.config import build, is_file, parse_yaml, read_text, set_key
 from mgs.errors import ConfigError
-from mgs.gait.kinds import GAITS, BalanceGait, Gait, WalkGait
+from mgs.gait.kinds import GAITS, Gait, GaitFile
 
 
 def load_gait(name_or_path: str | Path, assignments: tuple[str, ...] = ()) -> Gait:
@@ -32,15 +32,17 @@ def parse_gait(text: str, source: str | Path, assignments: tuple[str, ...] = ())
     tree: Any = parse_yaml(text, source)
     for assignment in assignments:
         set_key(tree, assignment)
-    return build(_kind_of(tree), tree, source)
+    gait: Any = build(_kind_of(tree), tree, source)
+    return gait
 
 
-def _kind_of(tree: Any) -> type[WalkGait] | type[BalanceGait]:
+def _kind_of(tree: Any) -> type[GaitFile]:
     """The kind that `motion` names; else one that refuses it and checks the block that is there."""
     kind = tree.get("motion") if isinstance(tree, dict) else None
     if isinstance(kind, str) and kind in GAITS:
         return GAITS[kind]
-    looks_like = "balance" if isinstance(tree, dict) and "balance" in tree else "walk"
+    blocks = [name for name in GAITS if isinstance(tree, dict) and name in tree]
+    looks_like = blocks[-1] if blocks else "walk"
     any_kind: Any = Literal[tuple(GAITS)]
     return create_model("GaitOfUnknownKind", __base__=GAITS[looks_like], motion=(any_kind, ...))
 

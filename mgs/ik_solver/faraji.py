@@ -40,6 +40,7 @@ from mgs.trajectory_planner import TaskTrajectory
 Array = NDArray[np.float64]
 DEFAULT_ITERATIONS = 15
 POSTURE_WEIGHT = 1e-6  # small against a squared lever arm [m^2]
+HELD_WEIGHT = 0.1  # of joints that follow their posture, large against it
 NEAR_STRETCHED = 0.08  # [rad] from where an iteration does not start
 MAX_START_ITERATIONS = 200
 ROUNDING = 1e-9  # [rad] by which an interval that ends at a limit may overstep it
@@ -133,8 +134,14 @@ class FarajiRun:
         posture = tuning.posture_weight
         default = POSTURE_WEIGHT if spare > 0 else 0.0
         # beside the soft rows' own pull at rest, where the gamma term is nothing
-        self.posture_weight = (default if posture is None else posture) * (
-            1.0 + gamma if solver.method == 4 else 1.0
+        weight = np.full(robot.n, default if posture is None else posture)
+        if tasks.held is not None:
+            weight[tasks.held] = HELD_WEIGHT
+        self.posture_weight = weight * (1.0 + gamma if solver.method == 4 else 1.0)
+        self.posture = (
+            np.broadcast_to(robot.posture, (tasks.n_samples, robot.n))
+            if tasks.posture is None
+            else tasks.posture
         )
         self.damping = np.full(nv, tuning.damping)
         self.damping[FLOATING_BASE_NV:] += self.posture_weight
@@ -243,8 +250,7 @@ class FarajiRun:
         else:
             self._set_objective(self.J_soft, self.E_soft, self.weights)
         joints = q[FLOATING_BASE_NQ:]
-        if self.posture_weight:
-            self.g[FLOATING_BASE_NV:] -= self.posture_weight * (self.robot.posture - joints)
+        self.g[FLOATING_BASE_NV:] -= self.posture_weight * (self.posture[k] - joints)
         if not self.solver.is_bounded:
             dq = solve_equality(self.H, self.g, self.A, self.b)
             self.q = pin.integrate(self.model, q, dq)

@@ -46,6 +46,24 @@ class BodyPlan:
 
 
 @dataclass(frozen=True, eq=False)
+class KeyPlan:
+    """K instants at which the body rests over feet that stay; the first is the start.
+
+    The body is in key k from sample `arrivals[k]` to `departures[k]`.
+    """
+
+    arrivals: NDArray[np.intp]  # (K,)
+    departures: NDArray[np.intp]  # (K,)
+    com: Array  # (K, 3) [m]
+    torso: Array  # (K, 4) quaternion xyzw
+    hands: Array  # (K, 2, 3) world [m]; NaN: nothing is asked of this hand
+    posture: Array  # (K, n) joint angles that the IK prefers [rad]
+    held: NDArray[np.bool_]  # (n,) joints that follow their posture before anything else
+    load: Array | None = None  # (N, 2) payload in the hands at every sample [kg]
+    mass: float = 0.0  # of the robot [kg], beside a load
+
+
+@dataclass(frozen=True, eq=False)
 class MotionPlan:
     """Stage 1: what touches the ground where and when.
 
@@ -62,4 +80,5 @@ class MotionPlan:
     zmp_offset: tuple[float, float]  # forward and inward of the sole centre [m]
     hand_offsets: Array  # (2, 3) hands from the CoM, axes turned with the heading; NaN: free [m]
     torso: Array  # (4,) quaternion xyzw of the torso at rest, heading ahead
-    body: BodyPlan | None = None  # None: the CoM follows from the ZMP
+    body: BodyPlan | None = None  # None: the CoM follows from the ZMP, or from `keys`
+    keys: KeyPlan | None = None

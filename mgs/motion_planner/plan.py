@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from mgs.gait import Gait, WalkGait
+from mgs.gait import Gait, KeyframesGait, PickUpGait, WalkGait
 from mgs.motion_planner.balance import plan_balance
+from mgs.motion_planner.keyframes import plan_keyframes
 from mgs.motion_planner.motion_plan import MotionPlan
+from mgs.motion_planner.pick_up import plan_pick_up
 from mgs.motion_planner.walk import plan_walk
 from mgs.robot import Robot
 
@@ -14,8 +16,14 @@ def plan_motion(robot: Robot, gait: Gait) -> MotionPlan:
 
     Raises:
         FootstepError: two soles would overlap.
-        ConfigError: a duration does not fit the sampling period or the preview window.
+        InfeasibleGaitError: a point is out of a hand's reach.
+        ConfigError: a duration does not fit the sampling period or the preview window, or a hand or
+            joint is none that this robot can move so.
     """
     if isinstance(gait, WalkGait):
         return plan_walk(robot, gait)
+    if isinstance(gait, KeyframesGait):
+        return plan_keyframes(robot, gait)
+    if isinstance(gait, PickUpGait):
+        return plan_pick_up(robot, gait)
     return plan_balance(robot, gait)

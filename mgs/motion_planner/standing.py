@@ -8,7 +8,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from mgs.robot import Robot
+from mgs.contact import Footstep, Side, Support
+from mgs.motion_planner.motion_plan import KeyPlan, MotionPlan, Phase
+from mgs.robot import Robot, midpoint_width
 
 Array = NDArray[np.float64]
 
@@ -34,3 +36,23 @@ def standing_figures(robot: Robot) -> StandingFigures:
             hands[side] = np.nan
     torso = pin.Quaternion(data.oMf[robot.torso_frame].rotation).coeffs()
     return StandingFigures(com, hands, np.array(torso))
+
+
+def standing_plan(
+    robot: Robot, dt: float, n_samples: int, rest: StandingFigures, keys: KeyPlan
+) -> MotionPlan:
+    """A plan of one phase on both feet, where they are at rest."""
+    width = midpoint_width(robot)
+    return MotionPlan(
+        dt=dt,
+        n_samples=n_samples,
+        footsteps=tuple(Footstep(side, 0.0, 0.5 * side.sign * width, 0.0) for side in Side),
+        phases=(Phase(0, n_samples, Support.DOUBLE, (0, 1)),),
+        step_height=0.0,
+        landing=0.0,
+        com_height=float(rest.com[2]),
+        zmp_offset=(0.0, 0.0),
+        hand_offsets=np.full((2, 3), np.nan),
+        torso=rest.torso,
+        keys=keys,
+    )

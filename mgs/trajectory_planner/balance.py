@@ -45,7 +45,7 @@ def plan_balance_trajectories(plan: MotionPlan, body: BodyPlan) -> TaskTrajector
         support=np.full(n, Support.DOUBLE, np.int8),
         root=np.full(n, Side.LEFT, np.int8),
         zmp_ref=com[:, :2].copy(),
-        load_left=_load_left(com, feet),
+        load_left=load_left(com, feet),
         soles=np.broadcast_to(poses, (n, 2, 7)).copy(),
         hands=body.hands + moved[:, 6:].reshape(n, 2, 3) - com[:, None],
         com_height=com[:, 2].copy(),
@@ -86,7 +86,7 @@ def _wave(channel: ConstantChannel | SineChannel | RampChannel, times: Array) ->
     return channel.value * quintic((times - channel.start) / (channel.end - channel.start))
 
 
-def _load_left(com: Array, feet: Array) -> Array:
+def load_left(com: Array, feet: Array) -> Array:
     """Share (N,) of the left sole: where the CoM stands between the two."""
     across = feet[Side.LEFT, :2] - feet[Side.RIGHT, :2]
     share = (com[:, :2] - feet[Side.RIGHT, :2]) @ across / (across @ across)

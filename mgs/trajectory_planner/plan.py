@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from mgs.motion_planner import MotionPlan
 from mgs.trajectory_planner.balance import plan_balance_trajectories
+from mgs.trajectory_planner.keys import plan_key_trajectories
 from mgs.trajectory_planner.task_trajectory import TaskTrajectory
 from mgs.trajectory_planner.walk import plan_walk_trajectories
 
@@ -16,4 +17,6 @@ def plan_trajectories(plan: MotionPlan) -> TaskTrajectory:
     """
     if plan.body is not None:
         return plan_balance_trajectories(plan, plan.body)
+    if plan.keys is not None:
+        return plan_key_trajectories(plan, plan.keys)
     return plan_walk_trajectories(plan)
