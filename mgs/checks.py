@@ -60,7 +60,7 @@ class Check:
 def check_motion(motion: Motion, progress: Progress | None = None) -> list[Check]:
     """Every static check of a motion, worst value each."""
     load_left = np.choose(motion.support, [0.5, 1.0, 0.0])  # by Support
-    body = analyse(motion.robot, motion.q, motion.dt, load_left)
+    body = analyse(motion.robot, motion.q, motion.dt, load_left, motion.payload)
     double = motion.support[:, None] == Support.DOUBLE
     torque = np.where(double, motion.torque, body.torque)
     speed = np.abs(np.diff(motion.q[:, FLOATING_BASE_NQ:], axis=0)) / motion.dt

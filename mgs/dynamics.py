@@ -17,6 +17,7 @@ from mgs.geometry import rotations_from_quat_xyzw
 from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
 
 Array = NDArray[np.float64]
+GRAVITY = 9.81  # [m/s^2], as Pinocchio's
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,16 +74,21 @@ def differentiate(robot: Robot, q: Array, dt: float) -> tuple[Array, Array]:
     return 0.5 * (forward[1:] + forward[:-1]), (forward[1:] - forward[:-1]) / dt
 
 
-def analyse(robot: Robot, q: Array, dt: float, load_left: Array) -> WholeBodyMotion:
+def analyse(
+    robot: Robot, q: Array, dt: float, load_left: Array, payload: Array | None = None
+) -> WholeBodyMotion:
     """Kinematics, multibody ZMP and joint torques along q (N, 7 + n).
 
     In double support the contact wrench is shared by `load_left` (N,), the part of the weight on
     the left sole; each sole's centre of pressure is displaced alike, so that together they act at
-    the ZMP.
+    the ZMP. A `payload` (N, 2) of point masses in the hands [kg] counts in ZMP and torques; the CoM
+    stays the robot's own.
     """
     v, a = differentiate(robot, q, dt)
     com, frames = _kinematics(robot, q)
     forces = _inverse_dynamics(robot, q, v, a)
+    if payload is not None:
+        forces += _payload_forces(robot, q, frames[:, 2:4, :3], dt, payload)
     wrench = _base_wrench_in_world(q, forces[:, :FLOATING_BASE_NV])
     zmp = np.column_stack([-wrench[:, 4], wrench[:, 3]]) / wrench[:, 2:3]
     contacts = share_wrench(wrench, zmp, frames[:, :2, :2], load_left)
@@ -111,6 +117,21 @@ def _inverse_dynamics(robot: Robot, q: Array, v: Array, a: Array) -> Array:
     forces = np.empty_like(v)
     for k in range(len(q)):
         forces[k] = pin.rnea(model, data, q[k], v[k], a[k])
+    return forces
+
+
+def _payload_forces(robot: Robot, q: Array, hands: Array, dt: float, payload: Array) -> Array:
+    """Forces (N, 6 + n) that move payloads (N, 2) with hands (N, 2, 3), as `_inverse_dynamics`."""
+    model, data = robot.model, robot.model.createData()
+    steps = np.zeros((len(q) + 1, 2, 3))  # at rest before the first sample and after the last
+    steps[1:-1] = np.diff(hands, axis=0) / dt
+    lifting = payload[..., None] * (np.diff(steps, axis=0) / dt + [0.0, 0.0, GRAVITY])
+    forces = np.zeros((len(q), FLOATING_BASE_NV + robot.n))
+    for k in np.flatnonzero(payload.any(axis=1)):
+        pin.computeJointJacobians(model, data, q[k])
+        for side, frame in enumerate(robot.hand_frames):
+            J = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)
+            forces[k] += lifting[k, side] @ J[:3]
     return forces
 
 

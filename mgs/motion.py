@@ -57,3 +57,8 @@ class Motion:
     def times(self) -> Array:
         """Times (N,) of the samples [s]."""
         return self.dt * np.arange(self.n_samples, dtype=np.float64)
+
+    @property
+    def payload(self) -> Array | None:
+        """Masses (N, 2) that left and right hand carry [kg]; None: none at any time."""
+        return self.gait.payload(self.times)

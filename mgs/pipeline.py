@@ -159,7 +159,7 @@ def _mean_and_max(error: Array) -> dict[str, float]:
 
 def _whole_body(robot: Robot, tasks: TaskTrajectory, joints: JointTrajectory) -> WholeBodyMotion:
     q = place_on_soles(robot, joints.angles, tasks.root, tasks.soles)
-    return analyse(robot, q, tasks.dt, tasks.load_left)
+    return analyse(robot, q, tasks.dt, tasks.load_left, tasks.payload)
 
 
 def assemble(

@@ -27,10 +27,11 @@ def plan_keyframes(robot: Robot, gait: KeyframesGait) -> MotionPlan:
     led = _led_hands(robot, gait, rest)
     upper = ~leg_joints(robot)
     _refuse_joints(robot, gait, upper, led)
-    still = _State.at_rest(robot, rest)
+    still = _State(np.zeros(3), 0.0, np.zeros(3), np.zeros((2, 3)), robot.posture)
     states = [still]
     for key in frames.keys:
-        states.append(_after(robot, rest, key, states[-1]))
+        states.append(_after(robot, key, still if key.rest else states[-1]))
+    lower = 0.01 * leg_length(robot) * np.array([0.0, 0.0, 1.0])
     arrivals = _samples(gait)
     departures = [round(frames.rest / gait.dt)]
     departures += [round((key.time + key.hold) / gait.dt) for key in frames.keys]
@@ -48,9 +49,9 @@ def plan_keyframes(robot: Robot, gait: KeyframesGait) -> MotionPlan:
         KeyPlan(
             arrivals=arrivals,
             departures=np.array(departures, np.intp),
-            com=np.array([state.com for state in states]),
-            torso=np.array([state.torso for state in states]),
-            hands=np.where(led[:, None], [state.hands for state in states], np.nan),
+            com=np.array([rest.com + state.com - state.crouch * lower for state in states]),
+            torso=quat_multiply(quat_xyzw_from_rpy([s.turns for s in states]), rest.torso),
+            hands=np.where(led[:, None], [rest.hands + s.hands for s in states], np.nan),
             posture=np.array([state.joints for state in states]),
             held=held,
         ),
@@ -59,33 +60,30 @@ def plan_keyframes(robot: Robot, gait: KeyframesGait) -> MotionPlan:
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """The body in one key."""
+    """The body in one key, displaced from rest."""
 
     com: Array  # (3,) [m]
-    torso: Array  # (4,) quaternion xyzw
+    crouch: float  # per cent of the leg length
+    turns: Array  # (3,) roll, pitch, yaw of the torso [rad]
     hands: Array  # (2, 3) [m]
-    joints: Array  # (n,) [rad]
-
-    @classmethod
-    def at_rest(cls, robot: Robot, rest: StandingFigures) -> _State:
-        return cls(rest.com, rest.torso, rest.hands, robot.posture)
+    joints: Array  # (n,) angles, not displaced [rad]
 
 
-def _after(robot: Robot, rest: StandingFigures, key: Keyframe, before: _State) -> _State:
+def _after(robot: Robot, key: Keyframe, before: _State) -> _State:
     """The body in a key, where what the key does not name is as before."""
-    state = _State.at_rest(robot, rest) if key.rest else before
-    com, torso, hands, joints = state.com, state.torso, state.hands.copy(), state.joints.copy()
-    if key.com is not None or key.crouch is not None:
-        lower = 0.01 * (key.crouch or 0.0) * leg_length(robot)
-        com = rest.com + (key.com or [0.0, 0.0, 0.0]) - [0.0, 0.0, lower]
-    if key.torso is not None:
-        torso = quat_multiply(quat_xyzw_from_rpy(key.torso), rest.torso)
+    hands, joints = before.hands.copy(), before.joints.copy()
     for side, moved in zip(Side, (key.left_hand, key.right_hand), strict=True):
         if moved is not None:
-            hands[side] = rest.hands[side] + moved
+            hands[side] = moved
     for name, angle in key.posture.items():
         joints[robot.joint_names.index(name)] = angle
-    return _State(com, torso, hands, joints)
+    return _State(
+        com=before.com if key.com is None else np.array(key.com),
+        crouch=before.crouch if key.crouch is None else key.crouch,
+        turns=before.turns if key.torso is None else np.array(key.torso),
+        hands=hands,
+        joints=joints,
+    )
 
 
 def _led_hands(robot: Robot, gait: KeyframesGait, rest: StandingFigures) -> NDArray[np.bool_]:

@@ -59,8 +59,8 @@ class KeyPlan:
     hands: Array  # (K, 2, 3) world [m]; NaN: nothing is asked of this hand
     posture: Array  # (K, n) joint angles that the IK prefers [rad]
     held: NDArray[np.bool_]  # (n,) joints that follow their posture before anything else
-    load: Array | None = None  # (N, 2) payload in the hands at every sample [kg]
-    mass: float = 0.0  # of the robot [kg], beside a load
+    payload: Array | None = None  # (N, 2) in the hands at every sample [kg]
+    mass: float = 0.0  # of the robot [kg], beside a payload
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,7 +35,7 @@ def plan_pick_up(robot: Robot, gait: PickUpGait) -> MotionPlan:
             )
     asked = np.array([side in sides for side in Side])
     at = _goals(pick_up, rest, asked)
-    above = at + [0.0, 0.0, pick_up.clearance or CLEARANCE * leg_length(robot)]
+    above = at + np.array([0.0, 0.0, pick_up.clearance or CLEARANCE * leg_length(robot)])
     begin = np.where(asked[:, None], rest.hands, np.nan)
     poses = _poses(robot, pick_up, rest, (begin, above, at))
     arrivals = np.round(np.array([0.0, *pick_up.times[1:]]) / gait.dt).astype(np.intp)
@@ -60,7 +60,7 @@ def plan_pick_up(robot: Robot, gait: PickUpGait) -> MotionPlan:
             hands=np.where(asked[:, None], [begin, above, at, at, above, begin], np.nan),
             posture=np.array([pose.joints for pose in poses]),
             held=free,
-            load=gait.payload(times),
+            payload=gait.payload(times),
             mass=robot.mass,
         ),
     )
@@ -82,13 +82,13 @@ def _poses(
     begin, above, at = goals
     still = StaticPose(robot.posture, rest.com, rest.torso, rest.hands)
     hands = ~np.isnan(begin[:, 0])
-    load = pick_up.payload * hands / hands.sum()
-    over = find_pose(robot, above, 0.0 * load, robot.posture)
-    down = find_pose(robot, at, 0.0 * load, over.joints)
+    payload = pick_up.payload * hands / hands.sum()
+    over = find_pose(robot, above, 0.0 * payload, robot.posture)
+    down = find_pose(robot, at, 0.0 * payload, over.joints)
     if not pick_up.payload:
         return [still, over, down, down, over, still]
     laden = [
-        find_pose(robot, goal, load, pose.joints)
+        find_pose(robot, goal, payload, pose.joints)
         for goal, pose in ((at, down), (above, over), (begin, still))
     ]
     return [still, over, down, *laden]

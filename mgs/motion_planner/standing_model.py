@@ -36,9 +36,9 @@ class Standing:
 class StandingModel:
     """Postures of one robot, the left sole where it is at rest."""
 
-    def __init__(self, robot: Robot, load: Array) -> None:
+    def __init__(self, robot: Robot, payload: Array) -> None:
         """Prepare for a payload (2,) in the hands [kg]."""
-        self.robot, self.load = robot, load
+        self.robot, self.payload = robot, payload
         self.model, self.data = robot.model, robot.model.createData()
         self.geometry_data = robot.geometry.createData()
         self.q = robot.standing_q.copy()
@@ -66,13 +66,13 @@ class StandingModel:
         hands = np.array([data.oMf[frame].translation for frame in robot.hand_frames])
         right = self.soles[Side.RIGHT].actInv(data.oMf[robot.sole_frames[Side.RIGHT]])
         com = pin.centerOfMass(model, data, q, False).copy()
-        total = robot.mass + self.load.sum()
-        loaded_com = (robot.mass * com + self.load @ hands) / total
+        total = robot.mass + self.payload.sum()
+        loaded_com = (robot.mass * com + self.payload @ hands) / total
         torque = pin.computeGeneralizedGravity(model, data, q).copy()
         for side, frame in enumerate(robot.hand_frames):
-            if self.load[side]:
+            if self.payload[side]:
                 J = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)
-                torque += GRAVITY * self.load[side] * J[2]
+                torque += GRAVITY * self.payload[side] * J[2]
         torque -= self._sole_forces(loaded_com, GRAVITY * total)
         return Standing(
             right_sole=pin.log6(right).vector,
@@ -120,9 +120,7 @@ class StandingModel:
         shift = com[:2] - (share * left + (1.0 - share) * right)
         for side, part in zip(Side, (share, 1.0 - share), strict=True):
             x, y = self.soles[side].translation[:2] + shift
-            J = pin.getFrameJacobian(
-                self.model, self.data, self.robot.sole_frames[side], pin.WORLD
-            )
+            J = pin.getFrameJacobian(self.model, self.data, self.robot.sole_frames[side], pin.WORLD)
             forces += part * weight * (J[2] + y * J[3] - x * J[4])
         return forces
 

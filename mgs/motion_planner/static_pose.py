@@ -8,8 +8,8 @@ Over joint angles x, the left sole on the ground, with c the CoM of robot and pa
 
 tau holds the robot still; c and middle are horizontal, d is the distance from the middle of the
 support polygon to its nearest edge. Solved by sequential quadratic programming (Kraft, DFVLR-FB
-88-28, 1988, as in SciPy), along a path of goals that begins where the hands are at rest: a crouch is
-far from standing, and the way there keeps to the same bends of knees and elbows. Bodies are kept
+88-28, 1988, as in SciPy), along a path of goals that begins where the hands are at first: a crouch
+is far from standing, and the way there keeps to the same bends of knees and elbows. Bodies are kept
 apart once they have been found to touch.
 """
 
@@ -49,20 +49,20 @@ class StaticPose:
     hands: Array  # (2, 3) [m]
 
 
-def find_pose(robot: Robot, goals: Array, load: Array, start: Array) -> StaticPose:
+def find_pose(robot: Robot, goals: Array, payload: Array, start: Array) -> StaticPose:
     """Posture with the hands at their goals.
 
     Args:
         robot: the robot.
         goals: positions (2, 3) of left and right hand, world, origin midway between the soles [m];
             NaN: this hand is free.
-        load: payload (2,) in the hands [kg].
+        payload: masses (2,) in the hands [kg].
         start: joint angles (n,) to set out from.
 
     Raises:
         InfeasibleGaitError: no such posture; says how far off the hands stay.
     """
-    search = _Search(StandingModel(robot, load), ~np.isnan(goals[:, 0]))
+    search = _Search(StandingModel(robot, payload), ~np.isnan(goals[:, 0]))
     began = search.model.stand(start).hands
     joints = start
     for part in np.arange(1, N_GOALS + 1) / N_GOALS:
@@ -147,9 +147,7 @@ class _Search:
     def _errors(self, joints: Array, goals: Array) -> Array:
         """Of sole and hands [m] and [rad]."""
         standing = self.model.stand(joints)
-        return np.concatenate(
-            [standing.right_sole, (standing.hands - goals)[self.asked].ravel()]
-        )
+        return np.concatenate([standing.right_sole, (standing.hands - goals)[self.asked].ravel()])
 
     def refuse(self, joints: Array, goals: Array, touching: list[int]) -> None:
         """Raise InfeasibleGaitError where a pose does not do what it shall."""
@@ -166,8 +164,9 @@ class _Search:
             )
         if touching:
             raise InfeasibleGaitError(
-                f"with the {side} hand at {_point(goals[worst])} {self.model.names_of(touching[0])} "
-                "touch; move the object sideways or away from the feet"
+                f"with the {side} hand at {_point(goals[worst])} "
+                f"{self.model.names_of(touching[0])} touch; "
+                "move the object sideways or away from the feet"
             )
 
 

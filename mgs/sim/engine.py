@@ -49,6 +49,9 @@ class Engine(Protocol):
     def push(self, torque: Array, free_speed: Array) -> JointState:
         """Make one step with torques (n,) [N m] that would be zero at free_speed (n,) [rad/s]."""
 
+    def carry(self, payload: Array) -> None:
+        """From now on weights of masses (2,) [kg] pull at the left and the right hand."""
+
     def read(self) -> Array:
         """Current q (7 + n,); not finite once the simulation has diverged."""
 

@@ -48,6 +48,7 @@ class MujocoEngine:
         self._bodies = [
             self._model.body(link_name(robot, joint)).id for joint in range(1, robot.model.njoints)
         ]
+        self._hands = [robot.model.frames[frame] for frame in robot.hand_frames]
         feet = [robot.model.frames[frame].parentJoint for frame in robot.sole_frames]
         side_of_body = {self._bodies[joint - 1]: side for side, joint in enumerate(feet)}
         self._side_of_geom = [side_of_body.get(body, -1) for body in self._model.geom_bodyid]
@@ -91,6 +92,17 @@ class MujocoEngine:
         self._data.qfrc_applied[self._angles - 1] = torque
         self._mj.mj_step(self._model, self._data)
         return self.joints()
+
+    def carry(self, payload: Array) -> None:
+        """From now on weights of masses (2,) [kg] pull at the hands where they are now."""
+        data = self._data
+        data.xfrc_applied[:] = 0.0
+        for mass, frame in zip(payload, self._hands, strict=True):
+            body = self._bodies[frame.parentJoint - 1]
+            lever = data.xpos[body] - data.xipos[body]
+            lever = lever + data.xmat[body].reshape(3, 3) @ frame.placement.translation
+            weight = mass * self._model.opt.gravity
+            data.xfrc_applied[body] += [*weight, *np.cross(lever, weight)]
 
     def _controls(self, position: Array, velocity: Array) -> Array:
         # a position servo has no speed target: it enters as a shift of the position target,

@@ -82,7 +82,10 @@ def play(
         torque, _ = drive(*targets.begin)
     q, torques, contacts = [_read(engine, 0.0)], [torque.mean(axis=0)], [engine.contacts()]
     end, data, (_, up_plan) = len(plan), robot.model.createData(), poses_along(robot, motion.q)
+    payload = motion.payload
     for k in range(1, len(plan)):
+        if payload is not None:
+            engine.carry(payload[plan[k]])
         torque, limited = drive(*targets.before(k))
         effort.add(torque, limited)
         q.append(_read(engine, k * motion.dt))

@@ -51,6 +51,10 @@ class PybulletEngine:
         self._stiffness = settings.stiffness * robot.torque_limit * gain  # (n,) [N m/rad]
         self._yield, self._torque = np.zeros(robot.n), np.zeros(robot.n)  # [rad], [N m]
         self._client = pybullet.connect(pybullet.DIRECT)
+        slope = np.zeros(2) if conditions is None else conditions.slope
+        self._gravity = gravity_on_slope(slope, GRAVITY)  # (3,) [m/s^2]
+        self._payload = np.zeros(2)
+        self._hands = [robot.model.frames[frame] for frame in robot.hand_frames]
         self._configure()
         self._add_ground()
         self._body = self._load_robot()
@@ -82,7 +86,7 @@ class PybulletEngine:
         torques = np.empty_like(position)
         for target, speed, torque in zip(position, velocity, torques, strict=True):
             self._command(target, speed)
-            p.stepSimulation(client)
+            self._step()
             torque[:] = [state[3] for state in p.getJointStates(body, joints, client)]
             self._torque = torque
         return torques
@@ -109,8 +113,29 @@ class PybulletEngine:
             velocityGains=[1.0] * self._robot.n,
             physicsClientId=self._client,
         )
-        self._p.stepSimulation(self._client)
+        self._step()
         return self.joints()
+
+    def carry(self, payload: Array) -> None:
+        """From now on weights of masses (2,) [kg] pull at the hands."""
+        self._payload = payload
+
+    def _step(self) -> None:
+        """One step; PyBullet forgets forces from outside with every one."""
+        p, client = self._p, self._client
+        for mass, frame in zip(self._payload.tolist(), self._hands, strict=True):
+            if not mass:
+                continue
+            link = self._joints[frame.parentJoint - 2]
+            state = p.getLinkState(self._body, link, 0, 1, physicsClientId=client)
+            at, _ = p.multiplyTransforms(
+                state[4], state[5], frame.placement.translation.tolist(), [0.0, 0.0, 0.0, 1.0]
+            )
+            weight = (mass * self._gravity).tolist()
+            p.applyExternalForce(
+                self._body, link, weight, at, p.WORLD_FRAME, physicsClientId=client
+            )
+        p.stepSimulation(client)
 
     def _command(self, position: Array, velocity: Array) -> None:
         """Aim the motors at joint states (n,) at the end of the step, less what servos yield.
@@ -193,8 +218,7 @@ class PybulletEngine:
 
     def _configure(self) -> None:
         p, client = self._p, self._client
-        slope = np.zeros(2) if self._conditions is None else self._conditions.slope
-        p.setGravity(*gravity_on_slope(slope, GRAVITY).tolist(), physicsClientId=client)
+        p.setGravity(*self._gravity.tolist(), physicsClientId=client)
         p.setPhysicsEngineParameter(
             fixedTimeStep=self._settings.dt,
             numSolverIterations=self._settings.iterations,

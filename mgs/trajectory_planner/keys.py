@@ -42,7 +42,7 @@ def plan_key_trajectories(plan: MotionPlan, keys: KeyPlan) -> TaskTrajectory:
         com=com,
         posture=_between(keys.posture, before, part),
         held=keys.held,
-        load=keys.load,
+        payload=keys.payload,
     )
 
 
@@ -64,7 +64,7 @@ def _between(values: Array, before: NDArray[np.intp], part: Array) -> Array:
 
 def _loaded_com(com: Array, hands: Array, keys: KeyPlan) -> Array:
     """CoM (N, 3) of robot and payload together."""
-    if keys.load is None:
+    if keys.payload is None:
         return com
-    moment = keys.mass * com + np.einsum("ns,nsi->ni", keys.load, np.nan_to_num(hands))
-    return np.asarray(moment / (keys.mass + keys.load.sum(axis=1, keepdims=True)))
+    moment = keys.mass * com + np.einsum("ns,nsi->ni", keys.payload, np.nan_to_num(hands))
+    return np.asarray(moment / (keys.mass + keys.payload.sum(axis=1, keepdims=True)))

@@ -26,8 +26,8 @@ class TaskTrajectory:
     torso_asked: bool = False
     com: Array | None = None  # (N, 3) where the CoM itself is asked for; None: by the ZMP
     posture: Array | None = None  # (N, n) joint angles to prefer [rad]; None: half-sitting
-    held: NDArray[np.bool_] | None = None  # (n,) joints to which their posture is no mere preference
-    load: Array | None = None  # (N, 2) payload in the hands [kg]; None: none
+    held: NDArray[np.bool_] | None = None  # (n,) joints that follow `posture` before all else
+    payload: Array | None = None  # (N, 2) in the hands [kg]; None: none
 
     @property
     def n_samples(self) -> int:
