@@ -6,7 +6,15 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from mgs.gait import BalanceGait, ComParameters, IkParameters, WalkGait, WalkParameters
+from mgs.gait import (
+    BalanceGait,
+    ComParameters,
+    IkParameters,
+    KeyframesGait,
+    PickUpGait,
+    WalkGait,
+    WalkParameters,
+)
 
 
 def walk_gait(
@@ -177,3 +185,45 @@ def balances(draw: st.DrawFn) -> BalanceGait:
         duration=draw(numbers(2.0 * (rest + ease) + 0.1, 5.0)),
         com_height=draw(st.none() | numbers(0.2, 0.28)),
     )
+
+
+def keyframes_gait(
+    *keys: dict[str, Any], dt: float = 0.01, ik: dict[str, Any] | None = None, **frames: Any
+) -> KeyframesGait:
+    """Keyframes with the defaults of the gait file but for what is given."""
+    tree = {"keys": list(keys), **frames}
+    return KeyframesGait.model_validate(
+        {"mgs": 1, "motion": "keyframes", "dt": dt, "keyframes": tree, "ik": ik or {}}
+    )
+
+
+def pick_up_gait(dt: float = 0.01, ik: dict[str, Any] | None = None, **pick_up: Any) -> PickUpGait:
+    """A pick-up with the defaults of the gait file but for what is given."""
+    return PickUpGait.model_validate(
+        {"mgs": 1, "motion": "pick_up", "dt": dt, "pick_up": pick_up, "ik": ik or {}}
+    )
+
+
+UPPER_JOINTS = ["waist_yaw", "left_shoulder_pitch", "left_elbow_pitch"]  # of Melson
+
+
+@st.composite
+def keyframes(draw: st.DrawFn) -> KeyframesGait:
+    """Keyframes of Melson with small displacements; the right hand may be led, the left not."""
+    small = st.lists(numbers(-0.015, 0.015), min_size=3, max_size=3)
+    rest = draw(numbers(0.0, 0.6))
+    t, keys = rest, []
+    for _ in range(draw(st.integers(1, 4))):
+        t += draw(numbers(0.3, 1.5))
+        key: dict[str, Any] = {"time": t, "hold": draw(st.just(0.0) | numbers(0.0, 0.5))}
+        for name in ("com", "torso", "right_hand"):
+            if draw(st.booleans()):
+                key[name] = draw(small)
+        if draw(st.booleans()):
+            key["crouch"] = draw(numbers(-2.0, 8.0))
+        if draw(st.booleans()):
+            key["posture"] = {draw(st.sampled_from(UPPER_JOINTS)): draw(numbers(-0.9, -0.1))}
+        key["rest"] = draw(st.booleans())
+        keys.append(key)
+        t += key["hold"]
+    return keyframes_gait(*keys, rest=rest, dt=draw(st.sampled_from([0.01, 0.02])))

@@ -223,3 +223,24 @@ def test_the_com_and_frames_are_those_of_the_configuration(walk_5cm: Stages):
                 expected = data.oMf[frames[side]].homogeneous
                 found = pin.XYZQUATToSE3(poses[k, side]).homogeneous
                 assert_allclose(found, expected, atol=1e-12)
+
+
+def test_a_payload_counts_as_a_body_added_to_the_hand(any_robot: Robot):
+    """The oracle is the inverse dynamics of a robot whose hand is that much heavier."""
+    mass, side = 0.2, Side.RIGHT
+    q = standing_on(any_robot, Side.LEFT, swaying(any_robot))
+    payload = np.tile([0.0, mass], (len(q), 1))
+    body = analyse(any_robot, q, DT, np.ones(len(q)), payload)
+    heavy = any_robot.model.copy()
+    hand = heavy.frames[any_robot.hand_frames[side]]
+    point = pin.Inertia(mass, np.zeros(3), np.zeros((3, 3)))
+    heavy.appendBodyToJoint(hand.parentJoint, point, hand.placement)
+    other = analyse(dataclasses.replace(any_robot, model=heavy), q, DT, np.ones(len(q)))
+    # the hand's acceleration: of its positions here, of the joints there; ends jump
+    inner = slice(2, -2)
+    assert_allclose(body.zmp[inner], other.zmp[inner], atol=2e-4)
+    scale = np.abs(other.torque).max()
+    assert_allclose(body.torque[inner], other.torque[inner], atol=2e-3 * scale)
+    without = analyse(any_robot, q, DT, np.ones(len(q)))
+    assert_allclose(body.com, without.com, atol=0.0)
+    assert np.abs(body.torque - without.torque).max() > 0.02 * scale

@@ -424,3 +424,52 @@ def test_any_well_formed_gait_becomes_a_file_or_a_message(here: Path):
         assert list(files_below(here)) == ["gait.yaml"]
 
     done_or_told()
+
+
+# --- keyframes and pick-ups -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "exit_code", "part"),
+    [
+        (("melson/pick_up", "--set", "pick_up.object=[0.5, 0.0, 0.1]"), 1, "mm away; move the obj"),
+        (
+            ("melson/pick_up", "--set", "pick_up.object=[0.5, 0.0]"),
+            2,
+            "object: list should",
+        ),
+        (("melson/pick_up", "--set", "pick_up.width=0.1"), 2, "leave it out or hand: both"),
+        (("melson/pick_up", "--ik", "clik"), 2, "ik.solver: input should be 'ik1', "),
+        (("melson/wave", "--set", "keyframes.keys=[]"), 2, "keyframes.keys: list should have at"),
+        (("melson/wave", "--set", "keyframes.rest=2.0"), 2, "use a later time or a shorter rest"),
+        (
+            ("melson/pick_up", "--set", "pick_up.payload=1", "--set", "pick_up.pause=0"),
+            2,
+            "cannot be taken over in no time; give a pause",
+        ),
+        (
+            ("melson/wave", "--set", "keyframes.keys=[{time: 2.0}, {time: 1.0}]"),
+            2,
+            "keys.1.time = 1 s is not after 2 s",
+        ),
+        (
+            ("melson/wave", "--set", "keyframes.keys=[{time: 2.0, left_hand: [0.4, 0.0, 0.0]}]"),
+            1,
+            "in keyframes less",
+        ),
+    ],
+)
+def test_a_body_motion_that_cannot_be_made_leaves_a_message_and_no_file(
+    here: Path, arguments: tuple[str, ...], exit_code: int, part: str
+):
+    result = run("generate", *arguments, "-o", "bad.mcap")
+    assert (result.exit_code, result.stdout) == (exit_code, "")
+    assert part in result.stderr
+    assert list(files_below(here)) == []
+
+
+def test_a_pick_up_with_a_payload_comes_back_from_its_file(here: Path):
+    payload = ("--set", "pick_up.payload=0.1")
+    assert run("generate", "melson/pick_up", *payload, "-o", "a.mcap").exit_code == 0
+    assert run("info", "a.mcap").exit_code == 0
+    assert run("validate", "a.mcap", "--physics", "none").exit_code == 0

@@ -1,0 +1,69 @@
+"""What keyframes may ask of a robot, and what is refused with a remedy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mgs.contact import Side
+from mgs.errors import ConfigError
+from mgs.motion_planner import plan_motion
+from mgs.motion_planner.limbs import arm_joints, leg_joints
+from mgs.robot import load_robot
+from tests.strategies import keyframes_gait
+
+MELSON = load_robot("melson")
+
+
+@pytest.mark.parametrize("name", ["melson", "coman"])
+def test_legs_and_arms_are_the_groups_of_the_robot(name: str):
+    robot = load_robot(name)
+    groups = robot.spec.groups
+
+    def names(mask: np.ndarray) -> set[str]:
+        return {robot.joint_names[j] for j in np.flatnonzero(mask)}
+
+    assert names(leg_joints(robot)) == {*groups["left_leg"], *groups["right_leg"]}
+    for side in Side:
+        assert names(arm_joints(robot, side)) == set(groups[f"{side.label}_arm"])
+
+
+@pytest.mark.parametrize(
+    ("key", "part"),
+    [
+        (
+            {"posture": {"left_knee_pitch": 0.5}},
+            "a joint of the legs, which keep soles",
+        ),
+        ({"posture": {"left_elbow": -0.5}}, "no such joint; did you mean 'left_elbow_pitch'?"),
+        ({"posture": {"left_elbow_pitch": 0.5}}, r"0.5 rad is outside the joint's range \[-2.2689"),
+        (
+            {"posture": {"left_elbow_pitch": -0.5}, "left_hand": [0.0, 0.0, 0.01]},
+            "this arm follows its hand, which some key names",
+        ),
+    ],
+)
+def test_a_joint_that_posture_cannot_have_is_refused(key: dict[str, Any], part: str):
+    with pytest.raises(ConfigError, match=r"keyframes\.keys: 0\.posture\.left_.*" + part):
+        plan_motion(MELSON, keyframes_gait({"time": 1.0, **key}))
+
+
+def test_all_joints_that_it_cannot_have_are_told_at_once():
+    keys = [{"time": t, "posture": {"nose": 0.1, "waist_yaw": 2.0}} for t in (1.0, 2.0)]
+    with pytest.raises(ConfigError) as caught:
+        plan_motion(MELSON, keyframes_gait(*keys))
+    assert len(caught.value.problems) == 4
+
+
+def test_a_way_of_too_few_samples_is_refused():
+    with pytest.raises(ConfigError, match=r"keyframes\.keys\.1\.time: .* fewer than 5 samples"):
+        plan_motion(MELSON, keyframes_gait({"time": 1.0}, {"time": 1.03}))
+
+
+def test_a_hand_of_locked_arms_is_refused():
+    legs = load_robot("coman_legs")
+    with pytest.raises(ConfigError, match="left_hand: coman_legs cannot move it"):
+        plan_motion(legs, keyframes_gait({"time": 1.0, "left_hand": [0.0, 0.0, 0.0]}))
+    assert plan_motion(legs, keyframes_gait({"time": 1.0, "crouch": 2.0})).keys is not None
