@@ -64,6 +64,13 @@ def check_motion(motion: Motion, progress: Progress | None = None) -> list[Check
     double = motion.support[:, None] == Support.DOUBLE
     torque = np.where(double, motion.torque, body.torque)
     speed = np.abs(np.diff(motion.q[:, FLOATING_BASE_NQ:], axis=0)) / motion.dt
+    if not motion.gait.is_balanced:  # nothing is known of what bears the robot on the way
+        return [
+            joint_position(motion),
+            _joint_speed(motion, speed),
+            _self_collision(motion, progress),
+            _rest(motion, speed),
+        ]
     corners = _corners_in_world(motion, body.soles)
     return [
         joint_position(motion),

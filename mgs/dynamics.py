@@ -7,6 +7,7 @@ after the last, so that a trajectory that starts with a jump shows it.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -57,6 +58,35 @@ def place_on_soles(robot: Robot, joints: Array, root: NDArray[np.int8], soles_re
     q[:, FLOATING_BASE_NQ:] = joints
     _align_quaternion_signs(q[:, 3:7])
     return q
+
+
+def place_lowest(robot: Robot, joints: Array, turns: Array) -> Array:
+    """Configurations (N, 7 + n) whose lowest point is on the ground, the base above the origin.
+
+    Args:
+        robot: the robot.
+        joints: joint angles (N, n) [rad].
+        turns: orientations (N, 4) of the base, quaternion xyzw.
+    """
+    model, geometry = robot.model, robot.geometry
+    data, geometry_data = model.createData(), geometry.createData()
+    corners = [_box_around(shape.geometry) for shape in geometry.geometryObjects]
+    q = np.zeros((len(joints), FLOATING_BASE_NQ + robot.n))
+    q[:, 3:7], q[:, FLOATING_BASE_NQ:] = turns, joints
+    for row in q:
+        pin.updateGeometryPlacements(model, data, geometry, geometry_data, row)
+        row[2] = -min(
+            float((placement.translation[2] + local @ placement.rotation[2]).min())
+            for placement, local in zip(geometry_data.oMg, corners, strict=True)
+        )
+    return q
+
+
+def _box_around(shape: Any) -> Array:
+    """Corners (8, 3) of a collision shape's box, in its own frame."""
+    shape.computeLocalAABB()
+    ends = np.array([shape.aabb_local.min_, shape.aabb_local.max_])
+    return np.array([[x, y, z] for x in ends[:, 0] for y in ends[:, 1] for z in ends[:, 2]])
 
 
 def _align_quaternion_signs(quat: Array) -> None:

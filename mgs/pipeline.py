@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mgs.com_generator import ComTrajectory, correct_com, generate_com, planned_zmp
-from mgs.dynamics import WholeBodyMotion, analyse, place_on_soles
+from mgs.com_generator import ComTrajectory, correct_com, follow_com, generate_com, planned_zmp
+from mgs.dynamics import WholeBodyMotion, analyse, place_lowest, place_on_soles
 from mgs.errors import InfeasibleGaitError
 from mgs.gait import ComParameters, Gait, WalkGait
+from mgs.geometry import quintic, slerp
 from mgs.ik_solver import JointTrajectory, solve_ik
 from mgs.motion import Motion
 from mgs.motion_planner import MotionPlan, plan_motion
-from mgs.robot import Robot
+from mgs.robot import FLOATING_BASE_NQ, Robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 
 Array = NDArray[np.float64]
@@ -55,6 +56,8 @@ def generate(
     seconds: dict[str, float] = {}
     plan = _timed(seconds, "motion_planner", lambda: plan_motion(robot, gait))
     tasks = _timed(seconds, "trajectory_planner", lambda: plan_trajectories(plan))
+    if not gait.is_balanced:
+        return _unbalanced(robot, gait, name, plan, tasks, seconds)
     passes = _Passes(robot, gait, tasks, seconds, progress)
     error: dict[str, object] | None = None
     if isinstance(gait, WalkGait):
@@ -67,6 +70,35 @@ def generate(
         "dynamics",
         lambda: assemble(robot, gait, name, plan, tasks, com, joints, body, error),
     )
+    return Stages(plan, tasks, com, joints, motion, seconds)
+
+
+def _unbalanced(
+    robot: Robot,
+    gait: Gait,
+    name: str,
+    plan: MotionPlan,
+    tasks: TaskTrajectory,
+    seconds: dict[str, float],
+) -> Stages:
+    """Joint postures alone: what bears the robot on the way is not known, hence no torques.
+
+    For the eye the base turns from where it lies to upright, the robot's lowest point on the
+    ground. All references are what the joints do.
+    """
+    assert plan.keys is not None and plan.keys.base is not None and tasks.posture is not None
+    joints = JointTrajectory(tasks.posture)
+    rise = quintic(np.arange(tasks.n_samples) / (tasks.n_samples - 1))
+    turns = slerp(plan.keys.base, robot.standing_q[3:FLOATING_BASE_NQ], rise)
+    q = place_lowest(robot, joints.angles, turns)
+    body = _timed(seconds, "dynamics", lambda: analyse(robot, q, tasks.dt, tasks.load_left))
+    body = replace(body, torque=np.zeros_like(body.torque), zmp=body.com[:, :2].copy())
+    com = follow_com(body.com, tasks.dt)
+    tasks = replace(
+        tasks, soles=body.soles, zmp_ref=body.zmp, com=body.com, com_height=body.com[:, 2],
+        torso_asked=False,
+    )  # fmt: skip
+    motion = assemble(robot, gait, name, plan, tasks, com, joints, body)
     return Stages(plan, tasks, com, joints, motion, seconds)
 
 

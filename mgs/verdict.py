@@ -2,7 +2,9 @@
 
 Tolerances of a replay: the robot stays up to the end and one second longer, ends within
 max(10 % of the distance, 20 mm) and 5 deg of its plan, and holds no servo at its limit for longer
-than 50 ms in a row: the stall torque of an ideal servo, the speed-torque line of a modelled one.
+than 50 ms in a row: the stall torque of an ideal servo, the speed-torque line of a modelled one. A
+motion without balance stands at its end, upright within 10 deg with a fifth of the weight on each
+sole, and nothing else is asked of it.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import numpy as np
 from mgs.checks import Check
 from mgs.sim import Agreement, Replay, ServoName, agreement
 from mgs.sim.playback import FALL_TILT
+from mgs.sim.replay import STANDING_LOAD, STANDING_TILT_DEG
 
 POSITION_RATIO, POSITION_FLOOR = 0.10, 0.020  # of the distance; [m]
 YAW_LIMIT_DEG = 5.0
@@ -74,6 +77,18 @@ def judge(
 def replay_checks(replay: Replay) -> list[Check]:
     """What a replay must show; a robot that fell is not measured further."""
     name = replay.engine
+    if not replay.is_balanced:
+        tilted, load = replay.end_tilt_deg, replay.end_load
+        return [
+            Check(
+                f"{name}_stands", tilted <= STANDING_TILT_DEG, tilted, STANDING_TILT_DEG,
+                "deg of tilt at the end", None, "torso",
+            ),
+            Check(
+                f"{name}_soles_bear", load >= STANDING_LOAD, load, STANDING_LOAD,
+                "of the weight at the end", None, "less loaded sole",
+            ),
+        ]  # fmt: skip
     tilt = replay.max_tilt_deg
     sank = replay.fell and tilt <= FALL_TILT_DEG
     where = "base below its least height" if sank else "torso"

@@ -111,7 +111,10 @@ def _print_summary(summary: dict[str, object], motion: Motion) -> None:
 
     tracking, seconds = tracking_of(summary), seconds_of(summary)
     limit = joint_position(motion)
-    margin = zmp_margins(motion, motion.zmp).min()
+    margin = "no claim about balance"
+    if motion.gait.is_balanced:
+        inside = 1e3 * zmp_margins(motion, motion.zmp).min()
+        margin = f"multibody ZMP {inside:.1f} mm inside the support polygon"
     stages = ", ".join(f"{stage} {1e3 * t:.0f}" for stage, t in seconds.items())
     click.echo(
         f"{click.format_filename(str(summary['file']))}\n"
@@ -121,7 +124,7 @@ def _print_summary(summary: dict[str, object], motion: Motion) -> None:
         f"{tracking['sole_rotation']:.1e} rad, hands {1e3 * tracking['hand_position']:.4f} mm, "
         f"CoM {1e3 * tracking['com']:.4f} mm (worst sample)\n"
         f"  margins   {limit.where} {limit.value:.3f} rad to its limit, "
-        f"multibody ZMP {1e3 * margin:.1f} mm inside the support polygon\n"
+        f"{margin}\n"
         f"{_zmp_line(summary['zmp_error'])}"
         f"  time      {stages} ms"
     )

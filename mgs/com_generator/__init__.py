@@ -3,5 +3,13 @@
 from mgs.com_generator.com_trajectory import ComTrajectory
 from mgs.com_generator.correction import correct_com, rest_window
 from mgs.com_generator.generate import generate_com, planned_zmp
+from mgs.com_generator.given import follow_com
 
-__all__ = ["ComTrajectory", "correct_com", "generate_com", "planned_zmp", "rest_window"]
+__all__ = [
+    "ComTrajectory",
+    "correct_com",
+    "follow_com",
+    "generate_com",
+    "planned_zmp",
+    "rest_window",
+]

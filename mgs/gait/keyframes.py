@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from typing import Annotated
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from mgs.config import Model
 from mgs.gait.balance import COM_TOLERANCE, MAX_SECONDS, Displacement
@@ -13,6 +13,14 @@ from mgs.gait.balance import COM_TOLERANCE, MAX_SECONDS, Displacement
 Vector = Annotated[list[Displacement], Field(min_length=3, max_length=3)]
 Turn = Annotated[float, Field(ge=-1.6, le=1.6)]
 Turns = Annotated[list[Turn], Field(min_length=3, max_length=3)]
+
+
+def _switch_of_yaml(value: object) -> object:
+    """YAML 1.1 reads unquoted on and off as true and false."""
+    return {True: "on", False: "off"}[value] if isinstance(value, bool) else value
+
+
+Switch = Annotated[Literal["on", "off"], BeforeValidator(_switch_of_yaml)]
 JointAngle = Annotated[float, Field(ge=-7.0, le=7.0)]
 
 
@@ -41,7 +49,8 @@ class Keyframe(Model):
         None, description="Displacement x, y, z from rest, world axes [m]."
     )
     posture: dict[str, JointAngle] = Field(
-        {}, description="Joint angles of arms, head and waist [rad]."
+        {},
+        description="Joint angles of arms, head and waist, without balance of legs too [rad].",
     )
 
 
@@ -53,6 +62,17 @@ class KeyframesParameters(Model):
     of arms, head and waist go by `posture`.
     """
 
+    balance: Switch = Field(
+        "on",
+        description="off: keys are joint postures alone, nothing is said about balance on the way, "
+        "and the motion passes if the robot stands at its end.",
+    )
+    lying: Literal["front", "back"] | None = Field(
+        None, description="What it lies on at the start, without balance; null: it stands."
+    )
+    begin: dict[str, JointAngle] = Field(
+        {}, description="Joint angles at the start, without balance; the others half-sitting [rad]."
+    )
     rest: float = Field(0.5, ge=0.0, le=60.0, description="At rest, at either end [s].")
     com_tolerance: float = Field(
         COM_TOLERANCE,
@@ -68,6 +88,22 @@ class KeyframesParameters(Model):
         """Of the whole motion [s]."""
         last = self.keys[-1]
         return last.time + last.hold + self.rest
+
+    @model_validator(mode="after")
+    def _asks_of_the_body_what_it_can_keep(self) -> KeyframesParameters:
+        if self.balance == "on":
+            for name in ("lying", "begin"):
+                if getattr(self, name):
+                    raise ValueError(f"{name} is for motions without balance; set balance: off")
+            return self
+        for i, key in enumerate(self.keys):
+            for name in ("com", "crouch", "torso", "left_hand", "right_hand"):
+                if getattr(key, name) is not None:
+                    raise ValueError(
+                        f"keys.{i}.{name}: without balance nobody knows where the base is; name "
+                        "joints in posture, or leave out balance: off"
+                    )
+        return self
 
     @model_validator(mode="after")
     def _comes_in_order(self) -> KeyframesParameters:

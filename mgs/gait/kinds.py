@@ -36,6 +36,11 @@ class GaitFile(Model):
         """Largest distance of the CoM from its reference that passes [m]."""
         return COM_TOLERANCE
 
+    @property
+    def is_balanced(self) -> bool:
+        """Whether the plan knows at every sample how the robot stands."""
+        return True
+
     def payload(self, times: Array) -> Array | None:
         """Masses (N, 2) in left and right hand at times (N,) [s]; None: none at any time."""
         return None
@@ -109,6 +114,11 @@ class KeyframesGait(GaitFile):
     def com_tolerance(self) -> float:
         """Largest distance of the CoM from its reference that passes [m]."""
         return self.keyframes.com_tolerance
+
+    @property
+    def is_balanced(self) -> bool:
+        """Whether the plan knows at every sample how the robot stands."""
+        return self.keyframes.balance == "on"
 
     @model_validator(mode="after")
     def _fits_into_memory(self) -> KeyframesGait:

@@ -25,10 +25,10 @@ def plan_keyframes(robot: Robot, gait: KeyframesGait) -> MotionPlan:
     """One phase on both feet and the keys of the body in it; see `plan_motion` for the errors."""
     frames, rest = gait.keyframes, standing_figures(robot)
     led = _led_hands(robot, gait, rest)
-    upper = ~leg_joints(robot)
+    upper = ~leg_joints(robot) if gait.is_balanced else np.ones(robot.n, dtype=np.bool_)
     _refuse_joints(robot, gait, upper, led)
     still = _State(np.zeros(3), 0.0, np.zeros(3), np.zeros((2, 3)), robot.posture)
-    states = [still]
+    states = [_after(robot, Keyframe(time=1.0, posture=frames.begin), still)]
     for key in frames.keys:
         states.append(_after(robot, key, still if key.rest else states[-1]))
     lower = 0.01 * leg_length(robot) * np.array([0.0, 0.0, 1.0])
@@ -54,8 +54,16 @@ def plan_keyframes(robot: Robot, gait: KeyframesGait) -> MotionPlan:
             hands=np.where(led[:, None], [rest.hands + s.hands for s in states], np.nan),
             posture=np.array([state.joints for state in states]),
             held=held,
+            base=None if gait.is_balanced else lying_base(robot, frames.lying),
         ),
     )
+
+
+def lying_base(robot: Robot, lying: str | None) -> Array:
+    """Orientation (4,) of the base at the start, quaternion xyzw."""
+    pitch = {"front": 0.5 * np.pi, "back": -0.5 * np.pi, None: 0.0}[lying]
+    upright = robot.standing_q[3:7]
+    return quat_multiply(quat_xyzw_from_rpy([0.0, pitch, 0.0]), upright)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,9 +114,12 @@ def _refuse_joints(
     """Raise ConfigError for joints that `posture` cannot have."""
     problems = []
     arms = [arm_joints(robot, side) for side in Side]
-    for i, key in enumerate(gait.keyframes.keys):
-        for name, angle in key.posture.items():
-            place = f"{i}.posture.{name}"
+    frames = gait.keyframes
+    postures = {"begin": frames.begin}
+    postures |= {f"keys.{i}.posture": key.posture for i, key in enumerate(frames.keys)}
+    for where, posture in postures.items():
+        for name, angle in posture.items():
+            place = f"{where}.{name}"
             if name not in robot.joint_names:
                 close = difflib.get_close_matches(name, robot.joint_names, n=1)
                 hint = f"; did you mean {close[0]!r}?" if close else ""
@@ -128,7 +139,7 @@ def _refuse_joints(
                     f"[{robot.lower[j]:.4f}, {robot.upper[j]:.4f}]"
                 )
     if problems:
-        raise ConfigError("keyframes.keys", problems)
+        raise ConfigError("keyframes", problems)
 
 
 def _samples(gait: KeyframesGait) -> NDArray[np.intp]:

@@ -61,6 +61,7 @@ class KeyPlan:
     held: NDArray[np.bool_]  # (n,) joints that follow their posture before anything else
     payload: Array | None = None  # (N, 2) in the hands at every sample [kg]
     mass: float = 0.0  # of the robot [kg], beside a payload
+    base: Array | None = None  # (4,) quaternion xyzw of the base at the start, without balance
 
 
 @dataclass(frozen=True, eq=False)

@@ -76,7 +76,8 @@ def play(
     if conditions is not None:
         drive = _disturbed(drive, conditions, settings.dt)
     effort, targets = Effort(robot.torque_limit, settings.dt), Targets(motion, n_steps, commands)
-    engine.place(on_ground(robot, motion.q[0]))
+    on_soles = motion.gait.is_balanced
+    engine.place(on_ground(robot, motion.q[0]) if on_soles else motion.q[0])
     torque = np.zeros((n_steps, robot.n))
     for _ in range(round(settings.settle / motion.dt)):
         torque, _ = drive(*targets.begin)
@@ -92,7 +93,11 @@ def play(
         torques.append(torque.mean(axis=0))
         contacts.append(engine.contacts())
         _, up = poses_along(robot, q[k][None], data)
-        if end == len(plan) and fallen(up[0], up_plan[plan[k]], q[k][2], motion.q[plan[k], 2]):
+        if (
+            on_soles
+            and end == len(plan)
+            and fallen(up[0], up_plan[plan[k]], q[k][2], motion.q[plan[k], 2])
+        ):
             end = min(end, k + 1 + round(AFTER_FALL / motion.dt))
         if progress is not None:
             progress(k, len(plan) - 1)

@@ -4,9 +4,10 @@ Distances are displacements of the midpoint between the soles, from the settled 
 the tail; yaw errors likewise, of the mean heading of the soles. Tilt is the angle between the
 vertical as the simulated torso sees it and as the planned torso sees it at the same time: a turn
 about the vertical is no tilt. A robot has fallen where that angle exceeds 45 deg or its base is
-below 60 % of its planned height. Slip is the horizontal displacement of a sole within one of its
-support phases in the plan. The limit of an ideal servo is its stall torque, that of a modelled one
-the line from stall torque to no-load speed.
+below 60 % of its planned height; in a motion without balance it has fallen unless it stands at the
+end of the tail, the torso within 10 deg of upright and a fifth of the weight on each sole. Slip is
+the horizontal displacement of a sole within one of its support phases in the plan. The limit of an
+ideal servo is its stall torque, that of a modelled one the line from stall torque to no-load speed.
 """
 
 from __future__ import annotations
@@ -31,6 +32,10 @@ from mgs.sim.playback import Progress, Recording, fallen, play, poses_along
 from mgs.sim.settings import DEFAULTS, SERVOS, EngineName, ServoName, Settings
 
 Array = NDArray[np.float64]
+GRAVITY = 9.81  # [m/s^2]
+STANDING_TIME = 0.3  # [s] at the end of a motion without balance
+STANDING_TILT_DEG = 10.0
+STANDING_LOAD = 0.2  # of the weight, on each sole
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +65,7 @@ class Replay:
     feed_forward: bool  # whether servos were told more than the planned joint angles
     command_clipped_deg: float  # by how much a joint limit cuts a command at most
     command_clipped_joint: str | None
+    is_balanced: bool  # whether the motion claims to stand all the way
     fell: bool
     fall_time: float | None  # [s]
     distance: tuple[float, float]  # x, y [m]
@@ -69,6 +75,8 @@ class Replay:
     settled_tilt_deg: float  # at the settled start, before the motion
     max_tilt_deg: float
     max_tilt_time: float  # [s]
+    end_tilt_deg: float  # over the last `STANDING_TIME`, at most
+    end_load: float  # of the less loaded sole, over the same time, as a part of the weight
     min_base_height: float  # [m]
     joint_error_rms_deg: float  # over all samples and joints
     joint_error_max_deg: float
@@ -170,11 +178,22 @@ def _figures(motion: Motion, recording: Recording) -> dict[str, Any]:
     q, q_plan = recording.q, motion.q[recording.plan]
     soles, up = poses_along(motion.robot, q)
     _, up_plan = poses_along(motion.robot, q_plan)
-    down = np.flatnonzero(fallen(up, up_plan, q[:, 2], q_plan[:, 2]))
-    fall = int(down[0]) if len(down) else None
-    t = np.arange(len(q), dtype=np.float64) * motion.dt
     tilt = angle_between(up, up_plan)
+    last = slice(-max(1, round(STANDING_TIME / motion.dt)), None)
+    end_tilt = float(np.degrees(tilt[last].max()))
+    weight = GRAVITY * motion.robot.mass
+    end_load = float((recording.contacts[last, :, 2].mean(axis=0) / weight).min())
+    if motion.gait.is_balanced:
+        down = np.flatnonzero(fallen(up, up_plan, q[:, 2], q_plan[:, 2]))
+        fall = int(down[0]) if len(down) else None
+    else:
+        stands = end_tilt <= STANDING_TILT_DEG and end_load >= STANDING_LOAD
+        fall = None if stands else len(q) - 1
+    t = np.arange(len(q), dtype=np.float64) * motion.dt
     return {
+        "is_balanced": motion.gait.is_balanced,
+        "end_tilt_deg": end_tilt,
+        "end_load": end_load,
         "fell": fall is not None,
         "fall_time": None if fall is None else float(t[fall]),
         "settled_tilt_deg": float(np.degrees(tilt[0])),

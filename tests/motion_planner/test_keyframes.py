@@ -46,7 +46,7 @@ def test_legs_and_arms_are_the_groups_of_the_robot(name: str):
     ],
 )
 def test_a_joint_that_posture_cannot_have_is_refused(key: dict[str, Any], part: str):
-    with pytest.raises(ConfigError, match=r"keyframes\.keys: 0\.posture\.left_.*" + part):
+    with pytest.raises(ConfigError, match=r"keyframes: keys\.0\.posture\.left_.*" + part):
         plan_motion(MELSON, keyframes_gait({"time": 1.0, **key}))
 
 
