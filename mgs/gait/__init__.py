@@ -13,9 +13,26 @@ from mgs.gait.balance import (
     SineChannel,
 )
 from mgs.gait.ik import FarajiParameters, IkParameters, PrioritizedParameters
-from mgs.gait.kinds import GAITS, BalanceGait, Gait, GaitFile, WalkGait, gait_schema
+from mgs.gait.kick import BallParameters, KickParameters
+from mgs.gait.kinds import (
+    GAITS,
+    BalanceGait,
+    Gait,
+    GaitFile,
+    KickGait,
+    WalkGait,
+    ZmpGait,
+    gait_schema,
+)
 from mgs.gait.load import find_gait, list_gaits, load_gait, parse_gait, shipped_folder
-from mgs.gait.walk import ComParameters, WalkParameters
+from mgs.gait.walk import (
+    BoxParameters,
+    ComParameters,
+    FootstepParameters,
+    GoalParameters,
+    StepParameters,
+    WalkParameters,
+)
 
 __all__ = [
     "COM_TOLERANCE",
@@ -23,18 +40,26 @@ __all__ = [
     "AnyChannel",
     "BalanceGait",
     "BalanceParameters",
+    "BallParameters",
+    "BoxParameters",
     "ComParameters",
     "ConstantChannel",
     "FarajiParameters",
     "FigureEightChannel",
+    "FootstepParameters",
     "Gait",
     "GaitFile",
+    "GoalParameters",
     "IkParameters",
+    "KickGait",
+    "KickParameters",
     "PrioritizedParameters",
     "RampChannel",
     "SineChannel",
+    "StepParameters",
     "WalkGait",
     "WalkParameters",
+    "ZmpGait",
     "find_gait",
     "gait_schema",
     "list_gaits",

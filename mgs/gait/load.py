@@ -10,7 +10,7 @@ from pydantic import create_model
 
 from mgs.config import build, is_file, parse_yaml, read_text, set_key
 from mgs.errors import ConfigError
-from mgs.gait.kinds import GAITS, BalanceGait, Gait, WalkGait
+from mgs.gait.kinds import GAITS, Gait
 
 
 def load_gait(name_or_path: str | Path, assignments: tuple[str, ...] = ()) -> Gait:
@@ -35,12 +35,13 @@ def parse_gait(text: str, source: str | Path, assignments: tuple[str, ...] = ())
     return build(_kind_of(tree), tree, source)
 
 
-def _kind_of(tree: Any) -> type[WalkGait] | type[BalanceGait]:
+def _kind_of(tree: Any) -> type[Gait]:
     """The kind that `motion` names; else one that refuses it and checks the block that is there."""
     kind = tree.get("motion") if isinstance(tree, dict) else None
     if isinstance(kind, str) and kind in GAITS:
         return GAITS[kind]
-    looks_like = "balance" if isinstance(tree, dict) and "balance" in tree else "walk"
+    blocks = [kind for kind in GAITS if isinstance(tree, dict) and kind in tree]
+    looks_like = blocks[0] if blocks else "walk"
     any_kind: Any = Literal[tuple(GAITS)]
     return create_model("GaitOfUnknownKind", __base__=GAITS[looks_like], motion=(any_kind, ...))
 
