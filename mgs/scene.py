@@ -42,6 +42,11 @@ class Ball:
     speed: float  # of the sole at contact [m/s]
 
 
+# Coulomb coefficient of a ball, on the ground and on the foot. With that of rubber soles, 1, a ball
+# that is pushed would be wedged between the two, since it rubs on the foot as much as on the ground.
+BALL_FRICTION = 0.3
+
+
 @dataclass(frozen=True)
 class Scene:
     """Everything on the ground but the robot."""

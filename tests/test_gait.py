@@ -109,6 +109,7 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
             "step_height": 0.02,
             "landing": 0.0,
             "com_height": None,
+            "com_tolerance": 2e-4,
             "zmp_offset": [0.0, 0.0],
             "zmp_travel": 0.0,
             "arm_swing": 0.0,

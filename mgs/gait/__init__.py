@@ -4,7 +4,6 @@ One module for each block of a file. SI units; x forward, y left, z up; angles i
 """
 
 from mgs.gait.balance import (
-    COM_TOLERANCE,
     AnyChannel,
     BalanceParameters,
     ConstantChannel,
@@ -26,6 +25,7 @@ from mgs.gait.kinds import (
 )
 from mgs.gait.load import find_gait, list_gaits, load_gait, parse_gait, shipped_folder
 from mgs.gait.walk import (
+    COM_TOLERANCE,
     BoxParameters,
     ComParameters,
     FootstepParameters,

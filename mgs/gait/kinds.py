@@ -8,10 +8,10 @@ import yaml
 from pydantic import Field, TypeAdapter, model_validator
 
 from mgs.config import FormatVersion, Model
-from mgs.gait.balance import COM_TOLERANCE, BalanceParameters
+from mgs.gait.balance import BalanceParameters
 from mgs.gait.ik import IkParameters
 from mgs.gait.kick import KickParameters
-from mgs.gait.walk import ComParameters, WalkParameters
+from mgs.gait.walk import COM_TOLERANCE, ComParameters, WalkParameters
 
 MAX_SAMPLES = 2_000_000  # about 5 GB of arrays
 
@@ -67,6 +67,11 @@ class WalkGait(ZmpGait):
 
     motion: Literal["walk"] = Field(description="Kind of motion.")
     walk: WalkParameters
+
+    @property
+    def com_tolerance(self) -> float:
+        """Largest distance of the CoM from its reference that passes [m]."""
+        return self.walk.com_tolerance
 
     @model_validator(mode="after")
     def _fits_into_memory(self) -> WalkGait:

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from mgs.config import Model
 
 MAX_STEPS = 20_000
+COM_TOLERANCE = 2e-4  # [m]
 Duration = Annotated[float, Field(gt=0.0, le=60.0)]
 Length = Annotated[float, Field(ge=-1.0, le=1.0)]
 Turn = Annotated[float, Field(ge=-1.0, le=1.0)]
@@ -114,6 +115,13 @@ class WalkParameters(Model):
     )
     com_height: float | None = Field(
         None, ge=1e-3, le=3.0, description="Height of the CoM above the ground [m]; null: posture."
+    )
+    com_tolerance: float = Field(
+        COM_TOLERANCE,
+        gt=0.0,
+        le=1.0,
+        description="How far the CoM may stay behind its reference [m]; more than the default "
+        "where com_height asks for more than the legs can reach, which ik1 to ik5 are made for.",
     )
     zmp_offset: Annotated[list[Length], Field(min_length=2, max_length=2)] = Field(
         [0.0, 0.0],

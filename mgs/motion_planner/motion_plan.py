@@ -40,6 +40,15 @@ class Phase:
 
 
 @dataclass(frozen=True, eq=False)
+class LegReach:
+    """How far soles may be from the CoM: ankles within a leg's length of the hips."""
+
+    hips: Array  # (2, 3) from the CoM, heading ahead [m]
+    ankles: Array  # (2, 3) from the sole, in its frame [m]
+    length: float  # [m]
+
+
+@dataclass(frozen=True, eq=False)
 class BodyPlan:
     """Motion of CoM, torso and hands over feet that stay: the sum of channels, eased in and out.
 
@@ -76,4 +85,5 @@ class MotionPlan:
     zmp_travel: float = 0.0  # from heel to toe in a single support [m]
     arm_swing: float = 0.0  # way of a hand as a part of that of the opposite foot
     scene: Scene = EMPTY
+    reach: LegReach | None = None  # bounds the CoM's height; None: it is as asked
     body: BodyPlan | None = None  # None: the CoM follows from the ZMP

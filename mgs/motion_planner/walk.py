@@ -14,7 +14,7 @@ from mgs.geometry import rectangle_gap
 from mgs.motion_planner.footsteps import first_support_of, plan_footsteps
 from mgs.motion_planner.goal import StepLimits
 from mgs.motion_planner.motion_plan import MotionPlan, Phase
-from mgs.motion_planner.standing import standing_figures
+from mgs.motion_planner.standing import leg_reach, standing_figures
 from mgs.motion_planner.terrain import (
     SwingParameters,
     corners_of,
@@ -58,6 +58,7 @@ def plan_walk(robot: Robot, gait: WalkGait) -> MotionPlan:
         zmp_travel=walk.zmp_travel,
         arm_swing=walk.arm_swing,
         scene=Scene(boxes=boxes),
+        reach=leg_reach(robot) if boxes else None,
     )
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mgs.geometry import quat_xyzw_from_yaw
 from mgs.robot import FLOATING_BASE_NQ, Robot
-from mgs.scene import EMPTY, Scene
+from mgs.scene import BALL_FRICTION, EMPTY, Scene
 from mgs.sim.audit import EngineModel
 from mgs.sim.conditions import Conditions, bumps, gravity_on_slope
 from mgs.sim.model import link_name, simulation_urdf
@@ -204,7 +204,8 @@ class MujocoEngine:
                 mass=ball.mass,
                 contype=1,  # meets the ground, as the robot does, and the robot
                 conaffinity=1,
-                friction=[settings.friction, 0.0, 0.0],
+                priority=1,  # its friction counts in all its pairs
+                friction=[BALL_FRICTION, 0.0, 0.0],
                 solref=[max(CONTACT_TIME, 2.0 * settings.dt), 1.0],
             )
         for i in range(self._robot.n):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from mgs.geometry import quat_xyzw_from_yaw
 from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
-from mgs.scene import EMPTY, Scene
+from mgs.scene import BALL_FRICTION, EMPTY, Scene
 from mgs.sim.audit import EngineModel
 from mgs.sim.conditions import Conditions, bumps, gravity_on_slope
 from mgs.sim.model import simulation_urdf
@@ -256,7 +256,7 @@ class PybulletEngine:
             p.changeDynamics(
                 body,
                 BASE,
-                lateralFriction=1.0,
+                lateralFriction=BALL_FRICTION / self._settings.friction,  # a pair's is the product
                 spinningFriction=0.0,
                 rollingFriction=0.0,
                 restitution=0.0,

@@ -16,6 +16,7 @@ from mgs.contact import Side, Support
 from mgs.geometry import bump, quat_multiply, quat_xyzw_from_yaw, quintic, rotate_planar
 from mgs.knots import evaluate
 from mgs.motion_planner import MotionPlan, Phase
+from mgs.trajectory_planner.com_height import height_within_reach
 from mgs.trajectory_planner.task_trajectory import TaskTrajectory
 
 Array = NDArray[np.float64]
@@ -51,6 +52,16 @@ def plan_walk_trajectories(plan: MotionPlan) -> TaskTrajectory:
         left, right = (_zmp_way(plan, side, phase, before, following, blend) for side in Side)
         zmp[span] = right + load_left[span, None] * (left - right)
         load = target
+    com_height = plan.com_height + _level(plan, heights)
+    if plan.reach is not None:
+        com_height = height_within_reach(
+            com_height,
+            zmp,
+            np.concatenate([planar, height[..., None]], axis=-1),
+            planar[..., 2].mean(axis=1),
+            plan.reach,
+            plan.dt,
+        )
     return TaskTrajectory(
         dt=plan.dt,
         support=support,
@@ -59,7 +70,7 @@ def plan_walk_trajectories(plan: MotionPlan) -> TaskTrajectory:
         load_left=load_left,
         soles=_sole_poses(planar, height),
         hands=_hands(plan, planar),
-        com_height=plan.com_height + _level(plan, heights),
+        com_height=com_height,
         torso=_torso(plan, planar),
     )
 
