@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from mgs.com_generator import ComTrajectory, correct_com, generate_com, planned_zmp
 from mgs.dynamics import WholeBodyMotion, analyse, place_on_soles
 from mgs.errors import InfeasibleGaitError
-from mgs.gait import ComParameters, Gait, ZmpGait
-from mgs.ik_solver import JointTrajectory, solve_ik
+from mgs.gait import ComParameters, Gait, KickGait, ZmpGait
+from mgs.ik_solver import JointTrajectory, refuse_speed, solve_ik
 from mgs.motion import Motion
 from mgs.motion_planner import MotionPlan, plan_motion
 from mgs.robot import Robot
@@ -62,6 +62,8 @@ def generate(
     else:
         com = passes.first_com()
         joints, body = passes.run(com)
+    if isinstance(gait, KickGait):
+        refuse_speed(robot, joints.angles, gait.dt)
     motion = _timed(
         seconds,
         "dynamics",

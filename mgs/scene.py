@@ -42,8 +42,8 @@ class Ball:
     speed: float  # of the sole at contact [m/s]
 
 
-# Coulomb coefficient of a ball, on the ground and on the foot. With that of rubber soles, 1, a ball
-# that is pushed would be wedged between the two, since it rubs on the foot as much as on the ground.
+# Coulomb coefficient of a ball, on the ground and on the foot. With that of rubber soles, 1, a
+# pushed ball would be wedged between the two, since it rubs on the foot as much as on the ground.
 BALL_FRICTION = 0.3
 
 

@@ -60,7 +60,7 @@ class KickParameters(Model):
         1.8, description="Rest before the weight shift [s]; at least the preview window."
     )
     shift: Duration = Field(0.8, description="Weight shift onto the support foot, and back [s].")
-    lift: Duration = Field(0.4, description="Raising the foot, and lowering it [s].")
-    draw: Duration = Field(0.5, description="Swinging it back [s].")
-    recover: Duration = Field(0.6, description="From the end of the swing back to its place [s].")
+    lift: Duration = Field(0.3, description="Raising the foot, and lowering it [s].")
+    draw: Duration = Field(0.4, description="Swinging it back [s].")
+    recover: Duration = Field(0.5, description="From the end of the swing back to its place [s].")
     lead_out: Duration = Field(1.8, description="Rest after the last weight shift [s].")

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from mgs.contact import Footstep, Side
 from mgs.errors import ConfigError, InfeasibleGaitError
 from mgs.gait import KickGait, KickParameters
-from mgs.geometry import rectangle_gaps, sole_corners
+from mgs.geometry import polygon_margins, rectangle_gaps, sole_corners
 from mgs.knots import Knots, at_rest, evaluate
 from mgs.motion_planner.motion_plan import MotionPlan, SwingPath
 from mgs.motion_planner.standing import standing_figures
@@ -42,6 +42,7 @@ def plan_kick(robot: Robot, gait: KickGait) -> MotionPlan:
     feet = [Footstep(side, 0.0, 0.5 * side.sign * width, 0.0) for side in Side]
     footsteps = (*feet, feet[swing])
     path, contact, ball = _strike(robot, kick, feet[swing])
+    _refuse_ball_at_foot(robot, ball, feet)
     _refuse_crossing(robot, path, feet[swing], feet[swing.other])
     phases = step_phases(_boundaries(kick, gait.dt, float(path.planar.times[-1])), footsteps)
     phases = tuple(phase if phase.target is None else replace(phase, path=path) for phase in phases)
@@ -103,6 +104,18 @@ def _strike(robot: Robot, kick: KickParameters, foot: Footstep) -> tuple[SwingPa
         float(x), float(y), kick.ball.radius, kick.ball.mass, 0.0, kick.direction, float(speed)
     )
     return path, float(times[3]), ball
+
+
+def _refuse_ball_at_foot(robot: Robot, ball: Ball, feet: list[Footstep]) -> None:
+    """Raise InfeasibleGaitError where the ball touches a sole that stands."""
+    centre = np.array([[ball.x, ball.y]])
+    for foot in feet:
+        gap = -float(polygon_margins(centre, corners_of(robot, foot))[0]) - ball.radius
+        if gap <= 0.0:
+            raise InfeasibleGaitError(
+                f"the ball at ({ball.x:.3f}, {ball.y:.3f}) m touches the {foot.side.label} sole; "
+                f"move it at least {-1e3 * gap:.0f} mm away"
+            )
 
 
 def _refuse_crossing(robot: Robot, path: SwingPath, swing: Footstep, support: Footstep) -> None:
