@@ -7,6 +7,7 @@ MgsError                     exit code 1: the work could not be done
 ├── InfeasibleGaitError      the gait is well formed, but this robot cannot do it
 │   ├── FootstepError        two soles would overlap
 │   ├── IkError              a task is missed
+│   ├── SeamError            a part of a sequence does not begin as the one before ends
 │   └── JointLimitError      a joint would leave its range
 ├── SimulationError          an engine is missing, or its model differs from ours
 │   └── DivergenceError      the simulation left the realm of numbers
@@ -104,6 +105,18 @@ class JointLimitError(InfeasibleGaitError):
             "keep the motion"
         )
         self.t, self.joint, self.position = t, joint, position
+
+
+class SeamError(InfeasibleGaitError):
+    """A part of a sequence does not begin where, or as, the one before it has ended."""
+
+    def __init__(self, part: str, what: str, gap: float, tolerance: float, unit: str) -> None:
+        super().__init__(
+            f"{part} does not begin as the part before it ends: {what} is {gap:.3g} {unit} off, "
+            f"{tolerance:.3g} {unit} allowed; make both parts agree on com_height, step_width and "
+            "what is asked of the hands, and let both end at rest"
+        )
+        self.part, self.what, self.gap, self.tolerance = part, what, gap, tolerance
 
 
 class SimulationError(MgsError):

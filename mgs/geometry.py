@@ -20,6 +20,12 @@ def compose_planar(pose: ArrayLike, offset: ArrayLike) -> Array:
     return out
 
 
+def planar_inverse(pose: ArrayLike) -> Array:
+    """Planar pose (..., 3) of the frame itself, seen from `pose` given in that frame."""
+    x = np.asarray(pose, dtype=float)
+    return np.concatenate([-rotate_planar(x[..., :2], -x[..., 2]), -x[..., 2:]], axis=-1)
+
+
 def rotate_planar(vector: ArrayLike, yaw: ArrayLike) -> Array:
     """Vectors (..., 2) turned by yaw (...) [rad]."""
     x, y = np.moveaxis(np.asarray(vector, dtype=float), -1, 0)

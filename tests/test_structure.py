@@ -32,6 +32,7 @@ ORDER = [
     "com_generator",
     "ik_solver",
     "pipeline",
+    "sequence",
     "motion_file",
     "export",
     "robot_checks",

@@ -12,14 +12,27 @@ from mgs.gait.balance import (
     RampChannel,
     SineChannel,
 )
+from mgs.gait.find import find_gait, list_gaits, shipped_folder
 from mgs.gait.ik import FarajiParameters, IkParameters, PrioritizedParameters
-from mgs.gait.kinds import GAITS, BalanceGait, Gait, GaitFile, WalkGait, gait_schema
-from mgs.gait.load import find_gait, list_gaits, load_gait, parse_gait, shipped_folder
+from mgs.gait.kinds import (
+    GAITS,
+    MAX_SAMPLES,
+    BalanceGait,
+    Gait,
+    GaitFile,
+    SequenceGait,
+    SequencePart,
+    SingleGait,
+    WalkGait,
+    gait_schema,
+)
+from mgs.gait.load import load_gait, parse_gait
 from mgs.gait.walk import ComParameters, WalkParameters
 
 __all__ = [
     "COM_TOLERANCE",
     "GAITS",
+    "MAX_SAMPLES",
     "AnyChannel",
     "BalanceGait",
     "BalanceParameters",
@@ -32,7 +45,10 @@ __all__ = [
     "IkParameters",
     "PrioritizedParameters",
     "RampChannel",
+    "SequenceGait",
+    "SequencePart",
     "SineChannel",
+    "SingleGait",
     "WalkGait",
     "WalkParameters",
     "find_gait",

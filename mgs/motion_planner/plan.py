@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mgs.gait import Gait, WalkGait
+from mgs.gait import Gait, SequenceGait, WalkGait
 from mgs.motion_planner.balance import plan_balance
 from mgs.motion_planner.motion_plan import MotionPlan
 from mgs.motion_planner.walk import plan_walk
@@ -16,6 +16,8 @@ def plan_motion(robot: Robot, gait: Gait) -> MotionPlan:
         FootstepError: two soles would overlap.
         ConfigError: a duration does not fit the sampling period or the preview window.
     """
+    if isinstance(gait, SequenceGait):
+        raise TypeError("a sequence has a plan for each of its parts")
     if isinstance(gait, WalkGait):
         return plan_walk(robot, gait)
     return plan_balance(robot, gait)
