@@ -110,13 +110,11 @@ class JointLimitError(InfeasibleGaitError):
 class SeamError(InfeasibleGaitError):
     """A part of a sequence does not begin where, or as, the one before it has ended."""
 
-    def __init__(self, part: str, what: str, gap: float, tolerance: float, unit: str) -> None:
+    def __init__(self, part: str, difference: str, remedy: str) -> None:
         super().__init__(
-            f"{part} does not begin as the part before it ends: {what} is {gap:.3g} {unit} off, "
-            f"{tolerance:.3g} {unit} allowed; make both parts agree on com_height, step_width and "
-            "what is asked of the hands, and let both end at rest"
+            f"{part} does not begin as the part before it ends: {difference}; {remedy}"
         )
-        self.part, self.what, self.gap, self.tolerance = part, what, gap, tolerance
+        self.part, self.difference = part, difference
 
 
 class SimulationError(MgsError):

@@ -131,6 +131,13 @@ class SequenceParameters(Model):
     parts: list[SequencePart] = Field(
         min_length=1, max_length=MAX_PARTS, description="In this order."
     )
+    transition: float = Field(
+        1.0,
+        ge=0.0,
+        le=60.0,
+        description="Time between two parts of which one does not begin in the posture that the "
+        "other ends in [s]; 0: refuse it.",
+    )
 
     @model_validator(mode="after")
     def _are_not_too_many(self) -> SequenceParameters:

@@ -1,0 +1,106 @@
+"""Motions moved in the plane and put one behind the other."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mgs.contact import Footstep
+from mgs.dynamics import align_quaternion_signs
+from mgs.geometry import (
+    compose_planar,
+    planar_inverse,
+    quat_multiply,
+    quat_xyzw_from_yaw,
+    rotate_planar,
+    wrap_angle,
+    yaw_from_quat_xyzw,
+)
+from mgs.motion import Motion
+from mgs.robot import FLOATING_BASE_NQ
+
+Array = NDArray[np.float64]
+
+
+def middle_of_soles(soles: Array) -> Array:
+    """Planar pose (3,) midway between two soles (2, 7): mean place, mean heading."""
+    left, right = yaw_from_quat_xyzw(soles[:, 3:])
+    yaw = left + 0.5 * float(wrap_angle(right - left))
+    return np.array([*soles[:, :2].mean(axis=0), yaw])
+
+
+def displacement(before: Motion, after: Motion) -> Array:
+    """Planar pose (3,) of the frame of `after`, for it to begin where `before` ends."""
+    end, begin = middle_of_soles(before.soles_ref[-1]), middle_of_soles(after.soles_ref[0])
+    return compose_planar(end, planar_inverse(begin))
+
+
+def last_sample(motion: Motion) -> Motion:
+    """The motion's last sample alone."""
+    arrays: dict[str, Any] = {name: array[-1:] for name, array in _arrays(motion).items()}
+    return dataclasses.replace(motion, **arrays)
+
+
+def _arrays(motion: Motion) -> dict[str, NDArray[Any]]:
+    return {name: value for name, value in vars(motion).items() if isinstance(value, np.ndarray)}
+
+
+def moved(motion: Motion, pose: Array) -> Motion:
+    """The motion seen from a frame in which its own has the planar pose (3,)."""
+    turn = quat_xyzw_from_yaw(pose[2])
+
+    def place(points: Array) -> Array:  # (..., 2) or (..., 3)
+        out = points.copy()
+        out[..., :2] = rotate_planar(points[..., :2], pose[2]) + pose[:2]
+        return out
+
+    def pose_of(poses: Array) -> Array:  # (..., 7)
+        return np.concatenate([place(poses[..., :3]), quat_multiply(turn, poses[..., 3:])], axis=-1)
+
+    q = motion.q.copy()
+    q[:, :FLOATING_BASE_NQ] = pose_of(motion.q[:, :FLOATING_BASE_NQ])
+    return dataclasses.replace(
+        motion,
+        footsteps=tuple(_moved_footstep(step, pose) for step in motion.footsteps),
+        q=q,
+        com=place(motion.com),
+        com_ref=place(motion.com_ref),
+        zmp=place(motion.zmp),
+        zmp_ref=place(motion.zmp_ref),
+        soles=pose_of(motion.soles),
+        soles_ref=pose_of(motion.soles_ref),
+        hands=pose_of(motion.hands),
+        hands_ref=place(motion.hands_ref),
+        torso=pose_of(motion.torso),
+        torso_ref=quat_multiply(turn, motion.torso_ref),
+    )
+
+
+def _moved_footstep(step: Footstep, pose: Array) -> Footstep:
+    x, y, yaw = compose_planar(pose, [step.x, step.y, step.yaw])
+    return Footstep(step.side, float(x), float(y), float(yaw))
+
+
+def join(motions: list[Motion]) -> Motion:
+    """One motion of several that begin where the one before ends; the first gives the gait.
+
+    At a seam the end of the one before is kept, with the velocity across it: the central difference
+    there is the sum of the two at ends, each of which takes the robot for at rest beyond.
+    """
+    first = motions[0]
+    parts = [_arrays(motion) for motion in motions]
+    arrays: dict[str, Any] = {
+        name: np.concatenate([array, *(part[name][1:] for part in parts[1:])])
+        for name, array in parts[0].items()
+    }
+    seams = np.cumsum([m.n_samples - 1 for m in motions])[:-1]
+    for seam, motion in zip(seams, motions[1:], strict=True):
+        arrays["v"][seam] += motion.v[0]
+    align_quaternion_signs(arrays["q"][:, 3:7])
+    footsteps = (*first.footsteps, *(step for m in motions[1:] for step in m.footsteps[2:]))
+    solvers = list(dict.fromkeys(str(m.solver["solver"]) for m in motions))
+    solver: dict[str, object] = {"solver": ", ".join(solvers), "parts": [m.solver for m in motions]}
+    return dataclasses.replace(first, footsteps=footsteps, solver=solver, **arrays)
