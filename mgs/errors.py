@@ -9,6 +9,7 @@ MgsError                     exit code 1: the work could not be done
 │   ├── IkError              a task is missed
 │   ├── SeamError            a part of a sequence does not begin as the one before ends
 │   └── JointLimitError      a joint would leave its range
+├── CycleError               a motion has no two steps that could be repeated
 ├── SimulationError          an engine is missing, or its model differs from ours
 │   └── DivergenceError      the simulation left the realm of numbers
 └── OutputExistsError        a file is in the way
@@ -115,6 +116,10 @@ class SeamError(InfeasibleGaitError):
             f"{part} does not begin as the part before it ends: {difference}; {remedy}"
         )
         self.part, self.difference = part, difference
+
+
+class CycleError(MgsError):
+    """A motion has no two steps that could be repeated."""
 
 
 class SimulationError(MgsError):

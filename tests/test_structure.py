@@ -34,6 +34,7 @@ ORDER = [
     "pipeline",
     "sequence",
     "motion_file",
+    "cycle",
     "export",
     "robot_checks",
     "checks",

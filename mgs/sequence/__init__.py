@@ -1,7 +1,7 @@
 """Gaits one after the other as one motion."""
 
 from mgs.sequence.generate import Made, generate_motion, labelled_parts
-from mgs.sequence.join import displacement, join, middle_of_soles, moved
+from mgs.sequence.join import displacement, join, moved
 
 __all__ = [
     "Made",
@@ -9,6 +9,5 @@ __all__ = [
     "generate_motion",
     "join",
     "labelled_parts",
-    "middle_of_soles",
     "moved",
 ]

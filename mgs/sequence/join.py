@@ -13,11 +13,10 @@ from mgs.dynamics import align_quaternion_signs
 from mgs.geometry import (
     compose_planar,
     planar_inverse,
+    planar_middle,
     quat_multiply,
     quat_xyzw_from_yaw,
     rotate_planar,
-    wrap_angle,
-    yaw_from_quat_xyzw,
 )
 from mgs.motion import Motion
 from mgs.robot import FLOATING_BASE_NQ
@@ -25,16 +24,9 @@ from mgs.robot import FLOATING_BASE_NQ
 Array = NDArray[np.float64]
 
 
-def middle_of_soles(soles: Array) -> Array:
-    """Planar pose (3,) midway between two soles (2, 7): mean place, mean heading."""
-    left, right = yaw_from_quat_xyzw(soles[:, 3:])
-    yaw = left + 0.5 * float(wrap_angle(right - left))
-    return np.array([*soles[:, :2].mean(axis=0), yaw])
-
-
 def displacement(before: Motion, after: Motion) -> Array:
     """Planar pose (3,) of the frame of `after`, for it to begin where `before` ends."""
-    end, begin = middle_of_soles(before.soles_ref[-1]), middle_of_soles(after.soles_ref[0])
+    end, begin = planar_middle(before.soles_ref[-1]), planar_middle(after.soles_ref[0])
     return compose_planar(end, planar_inverse(begin))
 
 
