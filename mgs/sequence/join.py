@@ -6,6 +6,7 @@ import dataclasses
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from mgs.contact import Footstep
@@ -79,8 +80,8 @@ def _moved_footstep(step: Footstep, pose: Array) -> Footstep:
 def join(motions: list[Motion]) -> Motion:
     """One motion of several that begin where the one before ends; the first gives the gait.
 
-    At a seam the end of the one before is kept, with the velocity across it: the central difference
-    there is the sum of the two at ends, each of which takes the robot for at rest beyond.
+    Of the two samples at a seam that of the one before is kept; velocities there are differences
+    across it.
     """
     first = motions[0]
     parts = [_arrays(motion) for motion in motions]
@@ -89,9 +90,12 @@ def join(motions: list[Motion]) -> Motion:
         for name, array in parts[0].items()
     }
     seams = np.cumsum([m.n_samples - 1 for m in motions])[:-1]
-    for seam, motion in zip(seams, motions[1:], strict=True):
-        arrays["v"][seam] += motion.v[0]
-    align_quaternion_signs(arrays["q"][:, 3:7])
+    model = first.robot.model
+    q, v = arrays["q"], arrays["v"]
+    for k in (*seams, *(seams + 1)):
+        if k < len(q) - 1:
+            v[k] = pin.difference(model, q[k - 1], q[k + 1]) / (2.0 * first.dt)
+    align_quaternion_signs(q[:, 3:7])
     footsteps = (*first.footsteps, *(step for m in motions[1:] for step in m.footsteps[2:]))
     solvers = list(dict.fromkeys(str(m.solver["solver"]) for m in motions))
     solver: dict[str, object] = {"solver": ", ".join(solvers), "parts": [m.solver for m in motions]}
