@@ -89,7 +89,8 @@ class IkError(InfeasibleGaitError):
         super().__init__(
             f"t = {t:.3f} s: {task} is {residual:.3g} {unit} off, {tolerance:.3g} {unit} allowed; "
             "it is probably out of reach: try a shorter step_length, a lower com_height or "
-            "a longer single_support; in a balance motion smaller channels or a longer ease"
+            "a longer single_support; in a kick a nearer ball or shorter swings; in a balance "
+            "motion smaller channels or a longer ease"
         )
         self.t, self.task, self.residual, self.tolerance = t, task, residual, tolerance
 

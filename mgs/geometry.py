@@ -159,14 +159,21 @@ def polygon_margins(points: ArrayLike, polygon: ArrayLike) -> Array:
 
 
 def rectangle_gap(corners_a: ArrayLike, corners_b: ArrayLike) -> float:
-    """Widest separating gap [m] between two convex polygons (m, 2); negative when they overlap.
+    """Widest separating gap [m] between two convex polygons (m, 2); see `rectangle_gaps`."""
+    return float(rectangle_gaps(corners_a, corners_b))
+
+
+def rectangle_gaps(corners_a: ArrayLike, corners_b: ArrayLike) -> Array:
+    """Widest separating gaps (...) [m] of convex polygons (..., m, 2); negative on overlap.
 
     Separating axis theorem: the penetration along the best axis when negative.
     """
     a, b = np.asarray(corners_a, dtype=float), np.asarray(corners_b, dtype=float)
-    edges = np.concatenate([np.roll(a, -1, axis=0) - a, np.roll(b, -1, axis=0) - b])
-    normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1)
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    pa, pb = a @ normals.T, b @ normals.T
-    gaps = np.maximum(pb.min(axis=0) - pa.max(axis=0), pa.min(axis=0) - pb.max(axis=0))
-    return float(gaps.max())
+    shape = np.broadcast_shapes(a.shape[:-2], b.shape[:-2])
+    edges = [np.roll(corners, -1, axis=-2) - corners for corners in (a, b)]
+    along = np.concatenate([np.broadcast_to(e, (*shape, *e.shape[-2:])) for e in edges], axis=-2)
+    normals = np.stack([along[..., 1], -along[..., 0]], axis=-1)
+    normals = normals / np.linalg.norm(normals, axis=-1, keepdims=True)
+    pa, pb = a @ np.swapaxes(normals, -1, -2), b @ np.swapaxes(normals, -1, -2)  # (..., m, axes)
+    gaps = np.maximum(pb.min(axis=-2) - pa.max(axis=-2), pa.min(axis=-2) - pb.max(axis=-2))
+    return np.asarray(gaps.max(axis=-1))

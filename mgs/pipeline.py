@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from mgs.com_generator import ComTrajectory, correct_com, generate_com, planned_zmp
 from mgs.dynamics import WholeBodyMotion, analyse, place_on_soles
 from mgs.errors import InfeasibleGaitError
-from mgs.gait import ComParameters, Gait, SequenceGait, SingleGait, WalkGait
-from mgs.ik_solver import JointTrajectory, solve_ik
+from mgs.gait import ComParameters, Gait, KickGait, SequenceGait, SingleGait, ZmpGait
+from mgs.ik_solver import JointTrajectory, refuse_speed, solve_ik
 from mgs.motion import Motion
 from mgs.motion_planner import MotionPlan, plan_motion
 from mgs.robot import Robot
@@ -73,11 +73,13 @@ def generate(
         tasks = dataclasses.replace(tasks, start=start)
     passes = _Passes(robot, gait, tasks, seconds, progress)
     error: dict[str, object] | None = None
-    if isinstance(gait, WalkGait):
+    if isinstance(gait, ZmpGait):
         com, joints, body, error = _filter(passes, gait.com)
     else:
         com = passes.first_com()
         joints, body = passes.run(com)
+    if isinstance(gait, KickGait):
+        refuse_speed(robot, joints.angles, gait.dt)
     motion = _timed(
         seconds,
         "dynamics",
@@ -102,7 +104,7 @@ class _Passes:
 
     def first_com(self) -> ComTrajectory:
         """Stage 3."""
-        parameters = self.gait.com if isinstance(self.gait, WalkGait) else None
+        parameters = self.gait.com if isinstance(self.gait, ZmpGait) else None
         return _timed(
             self.seconds, "com_generator", lambda: generate_com(self.tasks, parameters, self.robot)
         )
@@ -129,7 +131,7 @@ class _Passes:
 
     def _tell(self, done: int, total: int) -> None:
         if self.progress is not None:
-            most = 1 + (self.gait.com.passes if isinstance(self.gait, WalkGait) else 0)
+            most = 1 + (self.gait.com.passes if isinstance(self.gait, ZmpGait) else 0)
             self.progress(done + min(self.n_run, most - 1) * total, most * total)
 
 
@@ -220,6 +222,7 @@ def assemble(
             **gait.ik.model_dump(),
             **({} if zmp_error is None else {"zmp_error": zmp_error}),
         },
+        scene=plan.scene,
     )
 
 

@@ -63,9 +63,7 @@ def test_a_decimal_comma_is_refused():
     assert "walk.5: " in refusal("mgs: 1\nmotion: walk\nwalk: {n_steps: 2, step_length: 0,05}")
 
 
-@pytest.mark.parametrize(
-    "value", ["3.0", '"3"', "true", "0", "-1", "20001", "null", f"1{':0' * 4000}"]
-)
+@pytest.mark.parametrize("value", ["3.0", '"3"', "true", "0", "-1", "20001", f"1{':0' * 4000}"])
 def test_a_count_is_a_whole_number_in_its_range(value: str):
     assert "walk.n_steps: " in refusal(f"mgs: 1\nmotion: walk\nwalk: {{n_steps: {value}}}")
 
@@ -187,7 +185,7 @@ def test_messages_are_short_and_hold_nothing_that_a_terminal_would_obey():
 
 
 def test_a_missing_key_is_named():
-    assert "a.yaml: walk.n_steps: missing" in refusal("mgs: 1\nmotion: walk\nwalk: {}")
+    assert "a.yaml: balance.duration: missing" in refusal("mgs: 1\nmotion: balance\nbalance: {}")
     assert "a.yaml: mgs: missing" in refusal("motion: walk\nwalk: {n_steps: 2}")
 
 

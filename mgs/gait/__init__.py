@@ -4,7 +4,6 @@ One module for each block of a file. SI units; x forward, y left, z up; angles i
 """
 
 from mgs.gait.balance import (
-    COM_TOLERANCE,
     AnyChannel,
     BalanceParameters,
     ConstantChannel,
@@ -14,20 +13,31 @@ from mgs.gait.balance import (
 )
 from mgs.gait.find import find_gait, list_gaits, shipped_folder
 from mgs.gait.ik import FarajiParameters, IkParameters, PrioritizedParameters
+from mgs.gait.kick import BallParameters, KickParameters
 from mgs.gait.kinds import (
     GAITS,
     MAX_SAMPLES,
     BalanceGait,
     Gait,
     GaitFile,
+    KickGait,
     SequenceGait,
     SequencePart,
     SingleGait,
     WalkGait,
+    ZmpGait,
     gait_schema,
 )
 from mgs.gait.load import load_gait, parse_gait
-from mgs.gait.walk import ComParameters, WalkParameters
+from mgs.gait.walk import (
+    COM_TOLERANCE,
+    BoxParameters,
+    ComParameters,
+    FootstepParameters,
+    GoalParameters,
+    StepParameters,
+    WalkParameters,
+)
 
 __all__ = [
     "COM_TOLERANCE",
@@ -36,21 +46,29 @@ __all__ = [
     "AnyChannel",
     "BalanceGait",
     "BalanceParameters",
+    "BallParameters",
+    "BoxParameters",
     "ComParameters",
     "ConstantChannel",
     "FarajiParameters",
     "FigureEightChannel",
+    "FootstepParameters",
     "Gait",
     "GaitFile",
+    "GoalParameters",
     "IkParameters",
+    "KickGait",
+    "KickParameters",
     "PrioritizedParameters",
     "RampChannel",
     "SequenceGait",
     "SequencePart",
     "SineChannel",
     "SingleGait",
+    "StepParameters",
     "WalkGait",
     "WalkParameters",
+    "ZmpGait",
     "find_gait",
     "gait_schema",
     "list_gaits",

@@ -8,9 +8,10 @@ import yaml
 from pydantic import ConfigDict, Field, TypeAdapter, model_validator
 
 from mgs.config import FormatVersion, Model
-from mgs.gait.balance import COM_TOLERANCE, BalanceParameters
+from mgs.gait.balance import BalanceParameters
 from mgs.gait.ik import IkParameters
-from mgs.gait.walk import ComParameters, WalkParameters
+from mgs.gait.kick import KickParameters
+from mgs.gait.walk import COM_TOLERANCE, ComParameters, WalkParameters
 
 MAX_SAMPLES = 2_000_000  # about 5 GB of arrays
 MAX_PARTS = 1000  # of a sequence
@@ -43,32 +44,50 @@ class GaitFile(Model):
             )
 
 
-class WalkGait(GaitFile):
-    """A gait file with `motion: walk`."""
+class ZmpGait(GaitFile):
+    """A gait whose CoM follows from the ZMP."""
 
-    motion: Literal["walk"] = Field(description="Kind of motion.")
-    walk: WalkParameters
     com: ComParameters = ComParameters()
     ik: IkParameters = IkParameters()
 
     @model_validator(mode="after")
-    def _rests_as_long_as_it_previews(self) -> WalkGait:
+    def _rests_as_long_as_it_previews(self) -> ZmpGait:
         for key in ("lead_in", "lead_out"):
-            rest = getattr(self.walk, key)
+            rest = getattr(getattr(self, self.motion), key)
             if rest < self.com.preview:
                 raise ValueError(
-                    f"walk.{key} = {rest:g} s is shorter than the preview window com.preview = "
-                    f"{self.com.preview:g} s; the CoM would not be at rest: lengthen walk.{key}"
+                    f"{self.motion}.{key} = {rest:g} s is shorter than the preview window "
+                    f"com.preview = {self.com.preview:g} s; the CoM would not be at rest: lengthen "
+                    f"{self.motion}.{key}"
                 )
         return self
+
+
+class WalkGait(ZmpGait):
+    """A gait file with `motion: walk`."""
+
+    motion: Literal["walk"] = Field(description="Kind of motion.")
+    walk: WalkParameters
+
+    @property
+    def com_tolerance(self) -> float:
+        """Largest distance of the CoM from its reference that passes [m]."""
+        return self.walk.com_tolerance
 
     @model_validator(mode="after")
     def _fits_into_memory(self) -> WalkGait:
         walk = self.walk
         rests = walk.lead_in + walk.lead_out + walk.double_support
-        steps = walk.n_steps * (walk.double_support + walk.single_support)
+        steps = walk.most_steps * (walk.double_support + walk.single_support)
         self._refuse_too_long(rests + steps, "fewer walk.n_steps")
         return self
+
+
+class KickGait(ZmpGait):
+    """A gait file with `motion: kick`."""
+
+    motion: Literal["kick"] = Field(description="Kind of motion.")
+    kick: KickParameters = KickParameters()
 
 
 class BalanceGait(GaitFile):
@@ -89,7 +108,7 @@ class BalanceGait(GaitFile):
         return self
 
 
-SingleGait = WalkGait | BalanceGait
+SingleGait = WalkGait | KickGait | BalanceGait
 
 
 def _as_written(schema: dict[str, Any]) -> None:
@@ -177,6 +196,7 @@ class SequenceGait(GaitFile):
 Gait = SingleGait | SequenceGait
 GAITS: dict[str, type[Gait]] = {
     "walk": WalkGait,
+    "kick": KickGait,
     "balance": BalanceGait,
     "sequence": SequenceGait,
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import BinaryIO
 
@@ -100,7 +101,7 @@ def _write(motion: Motion, stream: BinaryIO, progress: Progress) -> None:
 
 def metadata(motion: Motion) -> dict[str, str]:
     """The metadata record `mgs`; every number as JSON, so that it reads back exactly."""
-    footsteps = [{"side": s.side.label, "x": s.x, "y": s.y, "yaw": s.yaw} for s in motion.footsteps]
+    footsteps = [asdict(s) | {"side": s.side.label} for s in motion.footsteps]
     return {
         "mgs_version": mgs.__version__,
         "schema_version": str(FORMAT_VERSION),
@@ -113,6 +114,7 @@ def metadata(motion: Motion) -> dict[str, str]:
         "mass": json.dumps(motion.robot.mass),
         "seed": "none",  # the four stages draw no random numbers
         "footsteps": json.dumps(footsteps, allow_nan=False),
+        "scene": json.dumps(asdict(motion.scene), allow_nan=False),
     }
 
 

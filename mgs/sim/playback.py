@@ -43,6 +43,7 @@ class Recording:
     q: Array  # (M, 7 + n) as in `Robot`
     torque: Array  # (M, n) mean over the sampling period before [N m]
     contacts: Array  # (M, 2, 5) of the soles in the last step, as `Engine.contacts` has them
+    balls: Array  # (M, b, 6) positions and velocities of balls
     effort: Effort
 
 
@@ -76,11 +77,12 @@ def play(
     if conditions is not None:
         drive = _disturbed(drive, conditions, settings.dt)
     effort, targets = Effort(robot.torque_limit, settings.dt), Targets(motion, n_steps, commands)
-    engine.place(on_ground(robot, motion.q[0]))
+    engine.place(on_ground(robot, motion.q[0], min(f.z for f in motion.footsteps[:2])))
     torque = np.zeros((n_steps, robot.n))
     for _ in range(round(settings.settle / motion.dt)):
         torque, _ = drive(*targets.begin)
     q, torques, contacts = [_read(engine, 0.0)], [torque.mean(axis=0)], [engine.contacts()]
+    balls = [engine.balls()]
     end, data, (_, up_plan) = len(plan), robot.model.createData(), poses_along(robot, motion.q)
     for k in range(1, len(plan)):
         torque, limited = drive(*targets.before(k))
@@ -88,6 +90,7 @@ def play(
         q.append(_read(engine, k * motion.dt))
         torques.append(torque.mean(axis=0))
         contacts.append(engine.contacts())
+        balls.append(engine.balls())
         _, up = poses_along(robot, q[k][None], data)
         if end == len(plan) and fallen(up[0], up_plan[plan[k]], q[k][2], motion.q[plan[k], 2]):
             end = min(end, k + 1 + round(AFTER_FALL / motion.dt))
@@ -95,7 +98,14 @@ def play(
             progress(k, len(plan) - 1)
         if k + 1 >= end:
             break
-    return Recording(plan[: len(q)], np.array(q), np.array(torques), np.array(contacts), effort)
+    return Recording(
+        plan[: len(q)],
+        np.array(q),
+        np.array(torques),
+        np.array(contacts),
+        np.array(balls),
+        effort,
+    )
 
 
 Drive = Callable[[Array, Array], tuple[Array, NDArray[np.bool_] | None]]
@@ -131,8 +141,8 @@ def _read(engine: Engine, t: float) -> Array:
     return q
 
 
-def on_ground(robot: Robot, q: Array) -> Array:
-    """Configuration (7 + n,) like q, its lowest sole corner at z = 0."""
+def on_ground(robot: Robot, q: Array, height: float = 0.0) -> Array:
+    """Configuration (7 + n,) like q, its lowest sole corner at a height [m]."""
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, q)
     lowest = np.inf
@@ -142,7 +152,7 @@ def on_ground(robot: Robot, q: Array) -> Array:
         heights = pose.translation[2] + corners @ pose.rotation[2, :2]
         lowest = min(lowest, float(heights.min()))
     out = q.copy()
-    out[2] -= lowest
+    out[2] += height - lowest
     return out
 
 
