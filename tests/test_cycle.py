@@ -17,7 +17,7 @@ from mgs.geometry import compose_planar, planar_middle
 from mgs.motion import Motion
 from mgs.pipeline import generate
 from mgs.robot import load_robot
-from mgs.sequence import join, moved
+from mgs.sequence import Displacement, join, moved
 from mgs.sim import replay
 from mgs.verdict import replay_checks
 from tests.conftest import generated
@@ -102,7 +102,7 @@ def test_a_motion_without_enough_steps_is_refused(name: str):
 
 def test_in_a_sequence_a_cycle_lies_within_one_part(walk: Motion):
     """The rest between two walks, which is as periodic as can be, is none."""
-    twice = join([walk, moved(walk, np.array([1.0, 0.5, 0.3]))])
+    twice = join([walk, moved(walk, Displacement(np.array([1.0, 0.5, 0.3])))])
     cycle = find_cycle(twice)
     start = cycle.start % (walk.n_samples - 1)
     assert cycle.n_samples == find_cycle(walk).n_samples
@@ -114,20 +114,17 @@ def continued(walk: Motion, cycle: Cycle, n: int) -> Motion:
     k, period = cycle.start, cycle.n_samples
     lap = part(walk, slice(k, k + period + 1))
     q, v = lap.q.copy(), lap.v.copy()
-    q[:-1, 7:], v[:-1, 6:] = cycle.position, cycle.velocity
-    q[-1, 7:], v[-1, 6:] = cycle.position[0], cycle.velocity[0]
-    lap = dataclasses.replace(lap, q=q, v=0.5 * v)  # join adds up the halves at ends
-    before, after = part(walk, slice(0, k + 1)), part(walk, slice(k + period, None))
-    pieces, pose = [before], np.zeros(3)
+    q[:, 7:] = np.vstack([cycle.position, cycle.position[:1]])
+    v[:, 6:] = np.vstack([cycle.velocity, cycle.velocity[:1]])
+    lap = dataclasses.replace(lap, q=q, v=v)
     origin = planar_middle(walk.soles_ref[k])
     step = compose_planar(compose_planar(origin, cycle.displacement), inverse(origin))
-    for _ in range(n):
-        full = dataclasses.replace(lap, v=np.vstack([0.0 * v[:1], v[1:]]))
-        pieces.append(moved(full, pose))
-        pose = compose_planar(step, pose)
-    back = compose_planar(pose, inverse(step))
-    pieces.append(moved(dataclasses.replace(after, v=np.vstack([0.0 * v[:1], after.v[1:]])), back))
-    return join(pieces)
+    poses = [np.zeros(3)]
+    for _ in range(n - 1):
+        poses.append(compose_planar(step, poses[-1]))
+    laps = [moved(lap, Displacement(pose)) for pose in poses]
+    after = moved(part(walk, slice(k + period, None)), Displacement(poses[-1]))
+    return join([part(walk, slice(0, k + 1)), *laps, after])
 
 
 def inverse(pose: np.ndarray) -> np.ndarray:

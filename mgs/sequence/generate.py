@@ -16,15 +16,15 @@ from numpy.typing import NDArray
 
 from mgs.errors import ConfigError, InfeasibleGaitError, SeamError
 from mgs.gait import MAX_SAMPLES, Gait, SequenceGait, SingleGait
-from mgs.geometry import planar_inverse
 from mgs.motion import Motion
 from mgs.pipeline import Stages, generate
 from mgs.robot import FLOATING_BASE_NQ, Robot
 from mgs.sequence.join import displacement, join, last_sample, moved
 from mgs.sequence.seam import (
+    SOLE_TOLERANCE,
+    refuse_moving_joints,
     refuse_other_posture,
     refuse_shifted_soles,
-    refuse_speed,
     transition,
 )
 
@@ -90,10 +90,14 @@ def _generate_parts(robot: Robot, gait: SequenceGait, name: str, progress: Progr
 
 def _continued(before: Motion, stages: Stages, label: str, duration: float) -> list[Motion]:
     """The motion of a part where `before` ends, and before it a transition where one is wanted."""
-    pose = displacement(before, stages.motion)
-    end = moved(last_sample(before), planar_inverse(pose))
+    by = displacement(before, stages.motion)
+    if stages.motion.scene.balls and abs(by.rise) > SOLE_TOLERANCE:
+        raise InfeasibleGaitError(
+            f"{label}: balls lie on the ground, and this part begins {by.rise:.3f} m above it"
+        )
+    end = moved(last_sample(before), by.inverse)
     refuse_shifted_soles(end, stages.motion, label)
-    refuse_speed(end, stages.motion, label)
+    refuse_moving_joints(end, stages.motion, label)
     motions = [stages.motion]
     try:
         refuse_other_posture(end, stages.motion, label)
@@ -101,7 +105,7 @@ def _continued(before: Motion, stages: Stages, label: str, duration: float) -> l
         if duration == 0.0:
             raise
         motions.insert(0, transition(end, stages, label, duration))
-    return [moved(motion, pose) for motion in motions]
+    return [moved(motion, by) for motion in motions]
 
 
 def labelled_parts(gait: SequenceGait) -> Iterator[tuple[str, SingleGait]]:

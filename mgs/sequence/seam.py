@@ -20,6 +20,7 @@ from mgs.ik_solver.bridge import bridge_postures
 from mgs.motion import Motion
 from mgs.pipeline import Stages, assemble
 from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV
+from mgs.scene import EMPTY
 from mgs.trajectory_planner import TaskTrajectory
 
 Array = NDArray[np.float64]
@@ -52,7 +53,7 @@ def refuse_shifted_soles(before: Motion, after: Motion, part: str) -> None:
     )
 
 
-def refuse_speed(before: Motion, after: Motion, part: str) -> None:
+def refuse_moving_joints(before: Motion, after: Motion, part: str) -> None:
     """Raise SeamError unless both are at rest at the seam."""
     names = [f"the speed of {name}" for name in before.robot.joint_names]
     # the velocity at an end is half of the one-sided difference
@@ -111,5 +112,8 @@ def transition(before: Motion, stages: Stages, part: str, duration: float) -> Mo
         raise InfeasibleGaitError(f"{part}: on the way to its first posture: {error}") from error
     motion = assemble(after.robot, stages.gait, part, stages.plan, tasks, given, joints)
     return dataclasses.replace(
-        motion, footsteps=after.footsteps[:2], solver={"solver": "bridge", "transition": duration}
+        motion,
+        footsteps=after.footsteps[:2],
+        scene=EMPTY,
+        solver={"solver": "bridge", "transition": duration},
     )
