@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from mgs.config import Model
-from mgs.gait import BalanceGait, SequenceGait, WalkGait, shipped_folder
+from mgs.gait import GAITS, BalanceGait, SequenceGait, WalkGait, shipped_folder
 from mgs.robot import RobotSpec
 from tests.cli.malformed import LEAVES, NUMBERS, VALID
 from tests.cli.run import run
@@ -80,7 +80,7 @@ def test_every_key_is_described():
     keys = {key for d in definitions.values() for key in d["properties"]}
     assert keys >= {path[-1] for path in LEAVES}
     undescribed = {key for d in definitions.values() for key in set(d["properties"]) - described(d)}
-    blocks = {"walk", "com", "balance", "sequence", "ik", "faraji", "prioritized", "trajectory"}
+    blocks = {*GAITS, "com", "ik", "faraji", "prioritized", "trajectory"}
     assert undescribed == blocks
     for name, definition in definitions.items():  # these are blocks, and a block tells of itself
         assert definition.get("description"), name
