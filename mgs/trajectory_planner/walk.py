@@ -85,21 +85,37 @@ def _zmp_way(
 ) -> Array:
     """Where the ZMP would be if one sole carried everything (2,) or, with travel, (k, 2).
 
-    It travels from heel to toe in single support; in double support a sole that is about to carry
-    waits at its heel, one that has carried at its toe.
+    It travels from heel to toe in single support. In double support a sole that has carried keeps
+    it at its toe, one that is about to carry at its heel, and one that rests in the middle.
     """
     footstep, (forward, inward) = plan.footsteps[phase.feet[side]], plan.zmp_offset
     place = np.array([forward, -side.sign * inward])
     if plan.zmp_travel:
+        begin, end = _travelled(side, phase, before, following)
         along = np.zeros((len(blend), 2))
-        if phase.support is Support.single(side):
-            along[:, 0] = blend - 0.5
-        elif following is not None and following.support is Support.single(side):
-            along[:, 0] = -0.5
-        elif before is not None and before.support is Support.single(side):
-            along[:, 0] = 0.5
+        along[:, 0] = begin + (end - begin) * blend
         place = place + plan.zmp_travel * along
     return np.array([footstep.x, footstep.y]) + rotate_planar(place, footstep.yaw)
+
+
+def _travelled(
+    side: Side, phase: Phase, before: Phase | None, following: Phase | None
+) -> tuple[float, float]:
+    """Where the ZMP of a sole begins and ends a phase: -1/2 at the heel, 1/2 at the toe.
+
+    Without a share of the load it may be anywhere: a sole that has none keeps to the other end.
+    """
+    heel, toe, single = -0.5, 0.5, Support.single(side)
+    if phase.support is not Support.DOUBLE:
+        return (heel, toe) if phase.support is single else (0.0, 0.0)
+    begin: float | None = 0.0
+    if before is not None and before.support is not Support.DOUBLE:
+        begin = toe if before.support is single else None
+    end: float | None = 0.0
+    if following is not None and following.support is not Support.DOUBLE:
+        end = heel if following.support is single else None
+    begin = begin if begin is not None else end or 0.0
+    return begin, begin if end is None else end
 
 
 def _level(plan: MotionPlan, heights: Array) -> Array:
