@@ -5,6 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
 
 from mgs.errors import ConfigError
 from mgs.gait import SequenceGait, load_gait, parse_gait
@@ -125,3 +128,31 @@ def test_a_malformed_file_that_a_part_names_is_named_too(tmp_path: Path):
 def test_a_sequence_without_parts_is_refused(block: str):
     with pytest.raises(ConfigError, match=r"a\.yaml: sequence"):
         parse_gait(f"mgs: 1\nmotion: sequence\n{block}", "a.yaml")
+
+
+WORDS = st.sampled_from(
+    ["gait", "set", "repeat", "name", "parts", "motion", "walk", "n_steps", "mgs", "dt", "robot"]
+)
+VALUES = st.sampled_from(
+    ["melson/walk_5cm", "melson/walk_turn_walk", "walk", "sequence", "nowhere", 1, 2.5, None, True]
+)
+TREES = st.recursive(
+    VALUES | st.integers(-3, 3) | st.text(max_size=4),
+    lambda inner: (
+        st.lists(inner, max_size=3)
+        | st.dictionaries(WORDS | st.text(max_size=3), inner, max_size=4)
+        | st.fixed_dictionaries({"gait": inner}, optional={"set": inner, "repeat": inner})
+    ),
+    max_leaves=8,
+)
+
+
+@given(TREES | TREES.map(lambda tree: {"parts": [tree]}))
+def test_whatever_stands_in_a_sequence_it_is_one_or_a_config_error(tree):
+    text = yaml.safe_dump({"mgs": 1, "robot": "melson", "motion": "sequence", "sequence": tree})
+    try:
+        gait = parse_gait(text, "a.yaml", folder=Path())
+    except ConfigError as error:
+        assert all(line.startswith("a.yaml: ") for line in str(error).splitlines())
+    else:
+        assert parse_gait(gait.to_yaml(), "resolved") == gait
