@@ -45,6 +45,15 @@ def test_twenty_cycles_in_a_row_have_no_jump(walk: Motion):
     assert_allclose(v[n : 2 * n], (q[n + 1 : 2 * n + 1] - q[n - 1 : 2 * n - 1]) / (2 * walk.dt))
 
 
+def test_the_step_across_the_wrap_is_the_one_that_the_walk_takes_there(walk: Motion):
+    cycle = find_cycle(walk)
+    k, n = cycle.start, cycle.n_samples
+    across = cycle.position[0] - cycle.position[-1]
+    assert_allclose(across, walk.q[k + n, 7:] - walk.q[k + n - 1, 7:], atol=2e-4)  # [rad]
+    quicker = cycle.velocity[0] - cycle.velocity[-1]
+    assert_allclose(quicker, walk.v[k + n, 6:] - walk.v[k + n - 1, 6:], atol=0.02)  # [rad/s]
+
+
 def test_a_cycle_begins_as_the_walk_and_stays_by_it(walk: Motion):
     cycle = find_cycle(walk)
     k, n = cycle.start, cycle.n_samples
