@@ -54,11 +54,11 @@ def place_on_soles(robot: Robot, joints: Array, root: NDArray[np.int8], soles_re
         T_world_base = pin.XYZQUATToSE3(soles_ref[k, side]) * T_base_sole.inverse()
         q[k, :FLOATING_BASE_NQ] = pin.SE3ToXYZQUAT(T_world_base)
     q[:, FLOATING_BASE_NQ:] = joints
-    _align_quaternion_signs(q[:, 3:7])
+    align_quaternion_signs(q[:, 3:7])
     return q
 
 
-def _align_quaternion_signs(quat: Array) -> None:
+def align_quaternion_signs(quat: Array) -> None:
     """Keep neighbouring quaternions (N, 4) in one half space; q and -q are the same rotation."""
     flips = np.sum(quat[1:] * quat[:-1], axis=1) < 0.0
     quat[1:] *= np.where(np.cumsum(flips) % 2 == 1, -1.0, 1.0)[:, None]

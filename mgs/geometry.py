@@ -20,6 +20,20 @@ def compose_planar(pose: ArrayLike, offset: ArrayLike) -> Array:
     return out
 
 
+def planar_inverse(pose: ArrayLike) -> Array:
+    """Planar pose (..., 3) of the frame itself, seen from `pose` given in that frame."""
+    x = np.asarray(pose, dtype=float)
+    return np.concatenate([-rotate_planar(x[..., :2], -x[..., 2]), -x[..., 2:]], axis=-1)
+
+
+def planar_middle(poses: ArrayLike) -> Array:
+    """Planar pose (..., 3) midway between two poses (..., 2, 7): mean place, mean heading."""
+    poses = np.asarray(poses, dtype=float)
+    yaw = yaw_from_quat_xyzw(poses[..., 3:])
+    mean = yaw[..., 0] + 0.5 * wrap_angle(yaw[..., 1] - yaw[..., 0])
+    return np.concatenate([poses[..., :2].mean(axis=-2), mean[..., None]], axis=-1)
+
+
 def rotate_planar(vector: ArrayLike, yaw: ArrayLike) -> Array:
     """Vectors (..., 2) turned by yaw (...) [rad]."""
     x, y = np.moveaxis(np.asarray(vector, dtype=float), -1, 0)

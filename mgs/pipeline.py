@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from mgs.com_generator import ComTrajectory, correct_com, generate_com, planned_zmp
 from mgs.dynamics import WholeBodyMotion, analyse, place_on_soles
 from mgs.errors import InfeasibleGaitError
-from mgs.gait import ComParameters, Gait, KickGait, ZmpGait
+from mgs.gait import ComParameters, Gait, KickGait, SequenceGait, SingleGait, ZmpGait
 from mgs.ik_solver import JointTrajectory, refuse_speed, solve_ik
 from mgs.motion import Motion
 from mgs.motion_planner import MotionPlan, plan_motion
@@ -36,25 +37,40 @@ class Stages:
     motion: Motion
     seconds: dict[str, float] = field(default_factory=dict)  # wall time of each stage
 
+    @property
+    def gait(self) -> SingleGait:
+        """What was asked."""
+        assert not isinstance(self.motion.gait, SequenceGait)
+        return self.motion.gait
+
 
 def generate(
-    robot: Robot, gait: Gait, name: str = "gait", progress: Progress | None = None
+    robot: Robot,
+    gait: Gait,
+    name: str = "gait",
+    progress: Progress | None = None,
+    start: Array | None = None,
 ) -> Stages:
     """Run the four stages.
 
     Args:
         robot: the robot.
-        gait: what it shall do.
+        gait: what it shall do; no sequence, which has stages for each of its parts.
         name: name of the gait, for the motion file.
         progress: called with samples done and samples in all by the IK.
+        start: joint angles (n,) that the IK begins from [rad]; None: the half-sitting posture.
 
     Raises:
         ConfigError: values of the gait that do not fit each other or this robot.
         InfeasibleGaitError: the robot cannot do it; names time, task or joint, and the remedy.
     """
+    if isinstance(gait, SequenceGait):
+        raise TypeError("a sequence is what mgs.sequence.generate_motion is for")
     seconds: dict[str, float] = {}
     plan = _timed(seconds, "motion_planner", lambda: plan_motion(robot, gait))
     tasks = _timed(seconds, "trajectory_planner", lambda: plan_trajectories(plan))
+    if start is not None:
+        tasks = dataclasses.replace(tasks, start=start)
     passes = _Passes(robot, gait, tasks, seconds, progress)
     error: dict[str, object] | None = None
     if isinstance(gait, ZmpGait):
@@ -80,7 +96,7 @@ class _Passes:
     """
 
     robot: Robot
-    gait: Gait
+    gait: SingleGait
     tasks: TaskTrajectory
     seconds: dict[str, float]
     progress: Progress | None
@@ -166,7 +182,7 @@ def _whole_body(robot: Robot, tasks: TaskTrajectory, joints: JointTrajectory) ->
 
 def assemble(
     robot: Robot,
-    gait: Gait,
+    gait: SingleGait,
     name: str,
     plan: MotionPlan,
     tasks: TaskTrajectory,

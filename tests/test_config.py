@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from mgs.config import MAX_BYTES, MAX_DEPTH, parse_yaml, set_key
 from mgs.errors import ConfigError, InputError, MgsError
-from mgs.gait import BalanceGait, Gait, WalkGait, load_gait, parse_gait
+from mgs.gait import GAITS, BalanceGait, Gait, WalkGait, load_gait, parse_gait
 
 WALK = "mgs: 1\nmotion: walk\nwalk: {n_steps: 4}\n"
 
@@ -159,8 +159,9 @@ def test_an_unknown_motion_is_refused_with_those_that_there_are(motion: str):
         ("balance: {rst: 1.0}", "balance.rst"),
     ):
         lines = refusal(f"mgs: 1\nmotion: {motion}\n{block}").splitlines()
-        found = repr(yaml.safe_load(motion))
-        assert f"a.yaml: motion: input should be 'walk' or 'balance', found {found}" in lines
+        *others, last = [repr(kind) for kind in GAITS]
+        listed = f"{', '.join(others)} or {last}, found {yaml.safe_load(motion)!r}"
+        assert f"a.yaml: motion: input should be {listed}" in lines
         assert any(line.startswith(f"a.yaml: {key}: unknown key; did you mean") for line in lines)
 
 

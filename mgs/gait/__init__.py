@@ -11,19 +11,24 @@ from mgs.gait.balance import (
     RampChannel,
     SineChannel,
 )
+from mgs.gait.find import find_gait, list_gaits, shipped_folder
 from mgs.gait.ik import FarajiParameters, IkParameters, PrioritizedParameters
 from mgs.gait.kick import BallParameters, KickParameters
 from mgs.gait.kinds import (
     GAITS,
+    MAX_SAMPLES,
     BalanceGait,
     Gait,
     GaitFile,
     KickGait,
+    SequenceGait,
+    SequencePart,
+    SingleGait,
     WalkGait,
     ZmpGait,
     gait_schema,
 )
-from mgs.gait.load import find_gait, list_gaits, load_gait, parse_gait, shipped_folder
+from mgs.gait.load import load_gait, parse_gait
 from mgs.gait.walk import (
     COM_TOLERANCE,
     BoxParameters,
@@ -37,6 +42,7 @@ from mgs.gait.walk import (
 __all__ = [
     "COM_TOLERANCE",
     "GAITS",
+    "MAX_SAMPLES",
     "AnyChannel",
     "BalanceGait",
     "BalanceParameters",
@@ -55,7 +61,10 @@ __all__ = [
     "KickParameters",
     "PrioritizedParameters",
     "RampChannel",
+    "SequenceGait",
+    "SequencePart",
     "SineChannel",
+    "SingleGait",
     "StepParameters",
     "WalkGait",
     "WalkParameters",

@@ -149,6 +149,9 @@ class FarajiRun:
         self.qp = BoundedQp(nv, m_hard)
         self.low, self.high = np.empty(robot.n), np.empty(robot.n)
         self.q = robot.standing_q.copy()
+        if tasks.start is not None:
+            self.q[FLOATING_BASE_NQ:] = tasks.start
+        self.posture = self.q[FLOATING_BASE_NQ:].copy()  # that joints left over are drawn to
         self.H, self.g = np.zeros((nv, nv)), np.zeros(nv)
         self.A, self.b = self.J_hard, self.E_hard
         self._diagonal = self.H.ravel()[:: nv + 1]  # a view
@@ -170,7 +173,7 @@ class FarajiRun:
 
     def start(self) -> None:
         """Bring q from the half-sitting posture onto the first sample, at any speed."""
-        region, joints = self.region, self.robot.posture
+        region, joints = self.region, self.posture
         tight = np.flatnonzero(region.lower >= region.upper)
         if len(tight):
             half = 0.5 * (self.robot.upper - self.robot.lower).min()
@@ -244,7 +247,7 @@ class FarajiRun:
             self._set_objective(self.J_soft, self.E_soft, self.weights)
         joints = q[FLOATING_BASE_NQ:]
         if self.posture_weight:
-            self.g[FLOATING_BASE_NV:] -= self.posture_weight * (self.robot.posture - joints)
+            self.g[FLOATING_BASE_NV:] -= self.posture_weight * (self.posture - joints)
         if not self.solver.is_bounded:
             dq = solve_equality(self.H, self.g, self.A, self.b)
             self.q = pin.integrate(self.model, q, dq)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mgs.gait import Gait, KickGait, WalkGait
+from mgs.gait import Gait, KickGait, SequenceGait, WalkGait
 from mgs.motion_planner.balance import plan_balance
 from mgs.motion_planner.kick import plan_kick
 from mgs.motion_planner.motion_plan import MotionPlan
@@ -18,6 +18,8 @@ def plan_motion(robot: Robot, gait: Gait) -> MotionPlan:
         InfeasibleGaitError: a footstep on an edge, a leg in the way, a ball too near.
         ConfigError: a duration does not fit the sampling period or the preview window.
     """
+    if isinstance(gait, SequenceGait):
+        raise TypeError("a sequence has a plan for each of its parts")
     if isinstance(gait, WalkGait):
         return plan_walk(robot, gait)
     if isinstance(gait, KickGait):
