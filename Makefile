@@ -1,13 +1,13 @@
 # make demo   a venv, a 5 cm walk, the verdict on it in every physics engine present, and plots
 # make test   style, types and the test suite (the longest physics runs left out)
-# make test-all, make bench, make docs-figures, make clean
+# make test-all, make bench, make gallery, make docs-figures, make clean
 
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 DEMO := outputs/demo
 
-.PHONY: demo test test-all lint bench docs-figures clean
+.PHONY: demo test test-all lint bench gallery docs-figures clean
 
 demo: $(VENV)/.mgs
 	@mkdir -p $(DEMO)
@@ -29,6 +29,9 @@ lint: $(VENV)/.dev
 
 bench: $(VENV)/.mgs
 	$(BIN)/python benchmarks/run.py
+
+gallery: $(VENV)/.mgs
+	$(BIN)/python benchmarks/gallery.py
 
 docs-figures: $(VENV)/.mgs
 	$(BIN)/python -c "from pathlib import Path; from mgs.gait import load_gait; \

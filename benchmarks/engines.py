@@ -12,8 +12,8 @@ from __future__ import annotations
 import argparse
 
 from mgs.gait import list_gaits, load_gait
-from mgs.pipeline import generate
 from mgs.robot import load_robot
+from mgs.sequence import generate_motion
 from mgs.sim import SERVOS, Replay, agreement, replay
 from mgs.verdict import replay_checks
 
@@ -28,7 +28,7 @@ def main() -> None:
     for name in names:
         gait = load_gait(name)
         assert gait.robot is not None
-        motion = generate(load_robot(gait.robot), gait, name).motion
+        motion = generate_motion(load_robot(gait.robot), gait, name).motion
         for servo in SERVOS:
             pybullet = replay(motion, "pybullet", servo=servo)
             mujoco = replay(motion, "mujoco", servo=servo)

@@ -14,8 +14,8 @@ import numpy as np
 from mgs.checks import Check, check_motion
 from mgs.gait import WalkGait, list_gaits, load_gait
 from mgs.motion import Motion
-from mgs.pipeline import generate
 from mgs.robot import load_robot
+from mgs.sequence import generate_motion
 from mgs.sim import DEFAULTS, EngineName, Replay, Settings, available_engines, replay
 from mgs.verdict import replay_checks
 
@@ -38,7 +38,7 @@ def main() -> None:
     for name in names:
         gait = load_gait(name)
         assert gait.robot is not None
-        motion = generate(load_robot(gait.robot), gait, name).motion
+        motion = generate_motion(load_robot(gait.robot), gait, name).motion
         if arguments.settings:
             print_settings(name, motion, engines)
         else:

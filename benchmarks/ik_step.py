@@ -95,7 +95,7 @@ def mean_step(stages: Stages) -> float:
     """Mean time of an IK step in one run [s]."""
     motion = stages.motion
     start = time.perf_counter()
-    solve_ik(motion.robot, stages.tasks, stages.com, motion.gait.ik)
+    solve_ik(motion.robot, stages.tasks, stages.com, stages.gait.ik)
     return (time.perf_counter() - start) / motion.n_samples
 
 
@@ -104,7 +104,7 @@ def _single_steps(stages: Stages) -> Array:
     StampedTasks.stamps.clear()
     with mock.patch.object(clik, "TreeTasks", StampedTasks):
         motion = stages.motion
-        joints = solve_ik(motion.robot, stages.tasks, stages.com, motion.gait.ik)
+        joints = solve_ik(motion.robot, stages.tasks, stages.com, stages.gait.ik)
     if joints.report["newton_updates"]:
         raise RuntimeError("this gait takes Newton updates, so that updates are not steps")
     root = stages.tasks.root
@@ -120,7 +120,7 @@ def _single_steps(stages: Stages) -> Array:
 
 def _gravity_at_work(stages: Stages) -> NDArray[np.bool_]:
     """Samples (N,) at which the solver evaluates the gravity task."""
-    gait, tasks = stages.motion.gait, stages.tasks
+    gait, tasks = stages.gait, stages.tasks
     ramp = gait.ik.gamma_grav_ramp
     factor = clik.gravity_gain_profile(tasks.support, tasks.dt, ramp)
     factor *= clik.rest_profile(tasks.n_samples, tasks.dt, ramp)

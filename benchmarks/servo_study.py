@@ -20,8 +20,8 @@ from mgs.contact import Support
 from mgs.dynamics import analyse
 from mgs.gait import list_gaits, load_gait
 from mgs.motion import Motion
-from mgs.pipeline import generate
 from mgs.robot import build_robot, load_robot
+from mgs.sequence import generate_motion
 from mgs.servos import servos_of
 from mgs.sim import DEFAULTS, EngineName, available_engines, replay
 
@@ -97,7 +97,7 @@ def both() -> list[str]:
 
 def walk(name: str) -> Motion:
     """A shipped walk of Melson's."""
-    return generate(load_robot("melson"), load_gait(name), name).motion
+    return generate_motion(load_robot("melson"), load_gait(name), name).motion
 
 
 def study_stiffness() -> None:

@@ -135,7 +135,7 @@ def measure(robot: Robot, stages: Stages, name: str) -> Row:
 def _solve_time(robot: Robot, stages: Stages) -> float:
     """Processor time of stage 4 [s]."""
     start = time.process_time()
-    solve_ik(robot, stages.tasks, stages.com, stages.motion.gait.ik)
+    solve_ik(robot, stages.tasks, stages.com, stages.gait.ik)
     return time.process_time() - start
 
 

@@ -17,7 +17,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from mgs.contact import Side, Support
-from mgs.dynamics import WholeBodyMotion, analyse
+from mgs.contact_forces import missing_wrenches
+from mgs.dynamics import WholeBodyMotion, analyse, contact_wrenches
 from mgs.geometry import (
     convex_hull,
     polygon_margins,
@@ -28,6 +29,7 @@ from mgs.geometry import (
 )
 from mgs.motion import Motion
 from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV
+from mgs.scene import ground_below
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
@@ -38,6 +40,7 @@ CONTACT_TOLERANCE = 5e-4  # [m] a sole in support may move, sink or float
 RMS_TORQUE_RATIO = 0.3  # of stall torque; stall is no continuous rating
 REST_SPEED = 0.05  # [rad/s] of a joint at the first and last sample
 ANGLE_ROUNDING = 1e-9  # [rad]
+FORCE_TOLERANCE = 1e-6  # of the weight, that contact forces may miss
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,7 @@ def check_motion(motion: Motion, progress: Progress | None = None) -> list[Check
         _joint_torque(motion, body, torque),
         _joint_torque_rms(motion, torque),
         _zmp_margin(motion, body),
+        *contact_forces(motion, body),
         _self_collision(motion, progress),
         _sole_still(motion, corners),
         _sole_ground(motion, corners),
@@ -107,14 +111,23 @@ def tracking_errors(motion: Motion) -> dict[str, float]:
 def zmp_margins(motion: Motion, zmp: Array, soles: Array | None = None) -> Array:
     """Signed distance (N,) of points (N, 2) to the edge of the support polygon [m].
 
+    Infinite where both soles carry at unequal heights: there is no such polygon.
+
     `soles` (N, 2, 7) are those that the polygon is made of; None: as the motion states them.
     """
     soles = motion.soles if soles is None else soles
-    margins = np.empty(motion.n_samples)
+    margins = np.full(motion.n_samples, np.inf)
     for start, end in _support_spans(motion.support):
+        if motion.support[start] == Support.DOUBLE and is_uneven(motion.soles_ref[start]):
+            continue
         polygon = support_polygon(motion, soles, start)
         margins[start:end] = polygon_margins(zmp[start:end], polygon)
     return margins
+
+
+def is_uneven(soles: Array) -> NDArray[np.bool_]:
+    """Whether the soles (..., 2, 7) are at unequal heights."""
+    return np.asarray(np.abs(np.diff(soles[..., 2])[..., 0]) > CONTACT_TOLERANCE)
 
 
 def support_polygon(motion: Motion, soles: Array, sample: int) -> Array:
@@ -196,6 +209,29 @@ def _zmp_margin(motion: Motion, body: WholeBodyMotion) -> Check:
     return Check("zmp_margin", worst >= 0.0, worst, 0.0, "m", k * motion.dt, where)
 
 
+def contact_forces(motion: Motion, body: WholeBodyMotion) -> list[Check]:
+    """Whether both soles can bear the robot where they are at unequal heights; nothing elsewhere.
+
+    What is missing is told in parts of the weight.
+    """
+    uneven = (motion.support == Support.DOUBLE) & is_uneven(motion.soles_ref)
+    samples = np.flatnonzero(uneven)
+    if not len(samples):
+        return []
+    corners = _corners_in_world(motion, body.soles)[samples].reshape(len(samples), 8, 3)
+    wrenches = contact_wrenches(motion.robot, body, samples)
+    missing = missing_wrenches(corners, wrenches) / (
+        float(np.linalg.norm(motion.robot.model.gravity.linear)) * motion.robot.mass
+    )
+    i = int(np.argmax(missing))
+    worst = float(missing[i])
+    time = float(samples[i] * motion.dt)
+    where = "both soles, at unequal heights"
+    return [
+        Check("contact_forces", worst <= FORCE_TOLERANCE, worst, FORCE_TOLERANCE, "", time, where)
+    ]
+
+
 def _self_collision(motion: Motion, progress: Progress | None) -> Check:
     """First sample at which two bodies touch that may not."""
     robot = motion.robot
@@ -249,12 +285,14 @@ def _sole_still(motion: Motion, corners: Array) -> Check:
 
 
 def _sole_ground(motion: Motion, corners: Array) -> Check:
-    depth = np.maximum(-corners[..., 2].min(axis=-1), 0.0)
+    ground = ground_below(motion.scene.boxes, corners[..., :2])
+    depth = np.maximum(ground - corners[..., 2].min(axis=-1), 0.0)
     return _worst_side(motion, "sole_ground", depth, CONTACT_TOLERANCE, "m below ground")
 
 
 def _sole_contact(motion: Motion, corners: Array) -> Check:
-    height = np.where(_in_support(motion), corners[..., 2].max(axis=-1), 0.0)
+    above = corners[..., 2].max(axis=-1) - ground_below(motion.scene.boxes, corners[..., :2])
+    height = np.where(_in_support(motion), np.maximum(above, 0.0), 0.0)
     return _worst_side(motion, "sole_contact", height, CONTACT_TOLERANCE, "m above ground")
 
 

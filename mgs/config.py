@@ -126,15 +126,22 @@ def is_file(path: Path) -> bool:
 def set_key(tree: Any, assignment: str, source: str = "--set") -> None:
     """Apply one `dotted.key=value` to nested dictionaries in place; the value is read as YAML."""
     key, equals, value = assignment.partition("=")
-    path = key.strip().split(".")
-    if not equals or not all(path) or len(path) > MAX_DEPTH:
+    if not equals or not all(key.strip().split(".")):
         raise ConfigError(source, f"{_short(assignment)} is not of the form key.sub=value")
+    set_value(tree, key.strip(), parse_yaml(value, f"{source} {key.strip()}"), source)
+
+
+def set_value(tree: Any, key: str, value: object, source: str) -> None:
+    """Put a value at a dotted key of nested dictionaries in place; groups are made as needed."""
+    path = key.split(".")
+    if not all(path) or len(path) > MAX_DEPTH:
+        raise ConfigError(source, f"{_short(key)} is not of the form key.sub")
     node = tree
     for part in path[:-1]:
         node = node.setdefault(part, {}) if isinstance(node, dict) else None
     if not isinstance(node, dict):
-        raise ConfigError(source, f"{key.strip()!r}: there is no such group in the file")
-    node[path[-1]] = parse_yaml(value, f"{source} {key.strip()}")
+        raise ConfigError(source, f"{_clip(key, 100)!r}: there is no such group in the file")
+    node[path[-1]] = value
 
 
 def build(model: type[M], tree: Any, source: str | Path) -> M:

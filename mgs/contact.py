@@ -53,9 +53,10 @@ class Support(IntEnum):
 
 @dataclass(frozen=True)
 class Footstep:
-    """Planar pose of a sole in contact, world frame."""
+    """Pose of a level sole in contact, world frame."""
 
     side: Side
     x: float  # [m]
     y: float  # [m]
     yaw: float  # [rad], counter-clockwise from above
+    z: float = 0.0  # [m]

@@ -29,7 +29,7 @@ class WholeBodyMotion:
     v: Array  # (N, 6 + n) central differences
     a: Array  # (N, 6 + n)
     com: Array  # (N, 3)
-    zmp: Array  # (N, 2) multibody ZMP on the ground z = 0
+    zmp: Array  # (N, 2) multibody ZMP, at the height of the soles as they share the load
     torque: Array  # (N, n) of the servos, their rotors' inertia included [N m]
     soles: Array  # (N, 2, 7)
     hands: Array  # (N, 2, 7)
@@ -56,7 +56,7 @@ def place_on_soles(robot: Robot, joints: Array, root: NDArray[np.int8], soles_re
         T_world_base = pin.XYZQUATToSE3(soles_ref[k, side]) * T_base_sole.inverse()
         q[k, :FLOATING_BASE_NQ] = pin.SE3ToXYZQUAT(T_world_base)
     q[:, FLOATING_BASE_NQ:] = joints
-    _align_quaternion_signs(q[:, 3:7])
+    align_quaternion_signs(q[:, 3:7])
     return q
 
 
@@ -89,7 +89,7 @@ def _box_around(shape: Any) -> Array:
     return np.array([[x, y, z] for x in ends[:, 0] for y in ends[:, 1] for z in ends[:, 2]])
 
 
-def _align_quaternion_signs(quat: Array) -> None:
+def align_quaternion_signs(quat: Array) -> None:
     """Keep neighbouring quaternions (N, 4) in one half space; q and -q are the same rotation."""
     flips = np.sum(quat[1:] * quat[:-1], axis=1) < 0.0
     quat[1:] *= np.where(np.cumsum(flips) % 2 == 1, -1.0, 1.0)[:, None]
@@ -111,8 +111,9 @@ def analyse(
 
     In double support the contact wrench is shared by `load_left` (N,), the part of the weight on
     the left sole; each sole's centre of pressure is displaced alike, so that together they act at
-    the ZMP. A `payload` (N, 2) of point masses in the hands [kg] counts in ZMP and torques; the CoM
-    stays the robot's own.
+    the ZMP. On soles of unequal height it lies between them, nearer to the one that carries more. A
+    `payload` (N, 2) of point masses in the hands [kg] counts in ZMP and torques; the CoM stays the
+    robot's own.
     """
     v, a = differentiate(robot, q, dt)
     com, frames = _kinematics(robot, q)
@@ -120,8 +121,9 @@ def analyse(
     if payload is not None:
         forces += _payload_forces(robot, q, frames[:, 2:4, :3], dt, payload)
     wrench = _base_wrench_in_world(q, forces[:, :FLOATING_BASE_NV])
-    zmp = np.column_stack([-wrench[:, 4], wrench[:, 3]]) / wrench[:, 2:3]
-    contacts = share_wrench(wrench, zmp, frames[:, :2, :2], load_left)
+    height = load_left * frames[:, 0, 2] + (1.0 - load_left) * frames[:, 1, 2]
+    zmp = zmp_at(wrench, height)
+    contacts = share_wrench(wrench, zmp, frames[:, :2, :3], load_left)
     torque = forces[:, FLOATING_BASE_NV:].copy()
     del forces  # of a long walk these arrays are the most memory that is taken
     torque -= _contact_torques(robot, q, contacts)
@@ -173,12 +175,26 @@ def _base_wrench_in_world(q: Array, wrench: Array) -> Array:
     return np.concatenate([force, moment], axis=1)
 
 
+def zmp_at(wrench: Array, height: Array) -> Array:
+    """Points (N, 2) at a height (N,) about which wrenches (N, 6) have no horizontal moment."""
+    x = height * wrench[:, 0] - wrench[:, 4]
+    y = height * wrench[:, 1] + wrench[:, 3]
+    return np.column_stack([x, y]) / wrench[:, 2:3]
+
+
+def contact_wrenches(robot: Robot, body: WholeBodyMotion, samples: NDArray[np.intp]) -> Array:
+    """Wrenches (m, 6) about the world origin that the ground has to exert at m samples."""
+    q, v, a = body.q[samples], body.v[samples], body.a[samples]
+    forces = _inverse_dynamics(robot, q, v, a)
+    return _base_wrench_in_world(q, forces[:, :FLOATING_BASE_NV])
+
+
 def share_wrench(wrench: Array, zmp: Array, soles: Array, load_left: Array) -> Array:
-    """Contact wrenches (N, 2, 6) about the world origin on the soles at (N, 2, 2)."""
+    """Contact wrenches (N, 2, 6) about the world origin on the soles at (N, 2, 3)."""
     share = np.stack([load_left, 1.0 - load_left], axis=1)[..., None]  # (N, 2, 1)
-    shift = zmp - np.sum(share * soles, axis=1)
-    pressure = np.zeros((len(zmp), 2, 3))
-    pressure[..., :2] = soles + shift[:, None]
+    shift = zmp - np.sum(share * soles[..., :2], axis=1)
+    pressure = soles.copy()
+    pressure[..., :2] += shift[:, None]
     force = share * wrench[:, None, :3]
     moment = np.cross(pressure, force)
     free = wrench[:, 5] - moment[..., 2].sum(axis=1)  # about the vertical

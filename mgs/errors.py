@@ -7,7 +7,9 @@ MgsError                     exit code 1: the work could not be done
 ├── InfeasibleGaitError      the gait is well formed, but this robot cannot do it
 │   ├── FootstepError        two soles would overlap
 │   ├── IkError              a task is missed
+│   ├── SeamError            a part of a sequence does not begin as the one before ends
 │   └── JointLimitError      a joint would leave its range
+├── CycleError               a motion has no two steps that could be repeated
 ├── SimulationError          an engine is missing, or its model differs from ours
 │   └── DivergenceError      the simulation left the realm of numbers
 └── OutputExistsError        a file is in the way
@@ -87,8 +89,8 @@ class IkError(InfeasibleGaitError):
         super().__init__(
             f"t = {t:.3f} s: {task} is {residual:.3g} {unit} off, {tolerance:.3g} {unit} allowed; "
             "it is probably out of reach: try a shorter step_length, a lower com_height or "
-            "a longer single_support; in a balance motion smaller channels or a longer ease; in "
-            "keyframes less, or more time"
+            "a longer single_support; in a kick a nearer ball or shorter swings; in a balance "
+            "motion smaller channels or a longer ease; in keyframes less, or more time"
         )
         self.t, self.task, self.residual, self.tolerance = t, task, residual, tolerance
 
@@ -105,6 +107,20 @@ class JointLimitError(InfeasibleGaitError):
             "keep the motion"
         )
         self.t, self.joint, self.position = t, joint, position
+
+
+class SeamError(InfeasibleGaitError):
+    """A part of a sequence does not begin where, or as, the one before it has ended."""
+
+    def __init__(self, part: str, difference: str, remedy: str) -> None:
+        super().__init__(
+            f"{part} does not begin as the part before it ends: {difference}; {remedy}"
+        )
+        self.part, self.difference = part, difference
+
+
+class CycleError(MgsError):
+    """A motion has no two steps that could be repeated."""
 
 
 class SimulationError(MgsError):

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import secrets
+from collections.abc import Iterator
 from pathlib import Path
+from typing import BinaryIO
 
 from mgs.errors import MgsError
 
@@ -11,6 +14,24 @@ from mgs.errors import MgsError
 def part_of(path: Path) -> Path:
     """Where the content of a file is written before it takes the file's name."""
     return path.with_name(f".mgs-{secrets.token_hex(8)}.part")
+
+
+@contextlib.contextmanager
+def replacing(path: Path) -> Iterator[BinaryIO]:
+    """Stream into a file beside `path` that takes its place when all went well, else vanishes."""
+    new_folders = [folder for folder in path.parents if not folder.exists()]  # innermost first
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = part_of(path)
+    try:
+        with part.open("x+b") as stream:
+            yield stream
+        part.replace(path)
+    except BaseException:  # KeyboardInterrupt too
+        part.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # someone else has put something there
+            for folder in new_folders:
+                folder.rmdir()
+        raise
 
 
 def replace_file(path: Path, content: bytes) -> None:

@@ -20,6 +20,20 @@ def compose_planar(pose: ArrayLike, offset: ArrayLike) -> Array:
     return out
 
 
+def planar_inverse(pose: ArrayLike) -> Array:
+    """Planar pose (..., 3) of the frame itself, seen from `pose` given in that frame."""
+    x = np.asarray(pose, dtype=float)
+    return np.concatenate([-rotate_planar(x[..., :2], -x[..., 2]), -x[..., 2:]], axis=-1)
+
+
+def planar_middle(poses: ArrayLike) -> Array:
+    """Planar pose (..., 3) midway between two poses (..., 2, 7): mean place, mean heading."""
+    poses = np.asarray(poses, dtype=float)
+    yaw = yaw_from_quat_xyzw(poses[..., 3:])
+    mean = yaw[..., 0] + 0.5 * wrap_angle(yaw[..., 1] - yaw[..., 0])
+    return np.concatenate([poses[..., :2].mean(axis=-2), mean[..., None]], axis=-1)
+
+
 def rotate_planar(vector: ArrayLike, yaw: ArrayLike) -> Array:
     """Vectors (..., 2) turned by yaw (...) [rad]."""
     x, y = np.moveaxis(np.asarray(vector, dtype=float), -1, 0)
@@ -161,14 +175,21 @@ def polygon_margins(points: ArrayLike, polygon: ArrayLike) -> Array:
 
 
 def rectangle_gap(corners_a: ArrayLike, corners_b: ArrayLike) -> float:
-    """Widest separating gap [m] between two convex polygons (m, 2); negative when they overlap.
+    """Widest separating gap [m] between two convex polygons (m, 2); see `rectangle_gaps`."""
+    return float(rectangle_gaps(corners_a, corners_b))
+
+
+def rectangle_gaps(corners_a: ArrayLike, corners_b: ArrayLike) -> Array:
+    """Widest separating gaps (...) [m] of convex polygons (..., m, 2); negative on overlap.
 
     Separating axis theorem: the penetration along the best axis when negative.
     """
     a, b = np.asarray(corners_a, dtype=float), np.asarray(corners_b, dtype=float)
-    edges = np.concatenate([np.roll(a, -1, axis=0) - a, np.roll(b, -1, axis=0) - b])
-    normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1)
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    pa, pb = a @ normals.T, b @ normals.T
-    gaps = np.maximum(pb.min(axis=0) - pa.max(axis=0), pa.min(axis=0) - pb.max(axis=0))
-    return float(gaps.max())
+    shape = np.broadcast_shapes(a.shape[:-2], b.shape[:-2])
+    edges = [np.roll(corners, -1, axis=-2) - corners for corners in (a, b)]
+    along = np.concatenate([np.broadcast_to(e, (*shape, *e.shape[-2:])) for e in edges], axis=-2)
+    normals = np.stack([along[..., 1], -along[..., 0]], axis=-1)
+    normals = normals / np.linalg.norm(normals, axis=-1, keepdims=True)
+    pa, pb = a @ np.swapaxes(normals, -1, -2), b @ np.swapaxes(normals, -1, -2)  # (..., m, axes)
+    gaps = np.maximum(pb.min(axis=-2) - pa.max(axis=-2), pa.min(axis=-2) - pb.max(axis=-2))
+    return np.asarray(gaps.max(axis=-1))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mgs.contact import Footstep
 from mgs.gait import Gait
 from mgs.robot import Robot
+from mgs.scene import EMPTY, Scene
 
 Array = NDArray[np.float64]
 
@@ -42,6 +43,7 @@ class Motion:
     torso: Array  # (N, 7) reached
     torso_ref: Array  # (N, 4) orientation asked, quaternion xyzw
     solver: dict[str, object]  # name of the IK solver and its parameters
+    scene: Scene = EMPTY
 
     @property
     def n_samples(self) -> int:

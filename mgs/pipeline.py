@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TypeVar
 
 import numpy as np
@@ -13,9 +14,9 @@ from numpy.typing import NDArray
 from mgs.com_generator import ComTrajectory, correct_com, follow_com, generate_com, planned_zmp
 from mgs.dynamics import WholeBodyMotion, analyse, place_lowest, place_on_soles
 from mgs.errors import InfeasibleGaitError
-from mgs.gait import ComParameters, Gait, WalkGait
+from mgs.gait import ComParameters, Gait, KickGait, SequenceGait, SingleGait, ZmpGait
 from mgs.geometry import quintic, slerp
-from mgs.ik_solver import JointTrajectory, solve_ik
+from mgs.ik_solver import JointTrajectory, refuse_speed, solve_ik
 from mgs.motion import Motion
 from mgs.motion_planner import MotionPlan, plan_motion
 from mgs.robot import FLOATING_BASE_NQ, Robot
@@ -37,34 +38,51 @@ class Stages:
     motion: Motion
     seconds: dict[str, float] = field(default_factory=dict)  # wall time of each stage
 
+    @property
+    def gait(self) -> SingleGait:
+        """What was asked."""
+        assert not isinstance(self.motion.gait, SequenceGait)
+        return self.motion.gait
+
 
 def generate(
-    robot: Robot, gait: Gait, name: str = "gait", progress: Progress | None = None
+    robot: Robot,
+    gait: Gait,
+    name: str = "gait",
+    progress: Progress | None = None,
+    start: Array | None = None,
 ) -> Stages:
     """Run the four stages.
 
     Args:
         robot: the robot.
-        gait: what it shall do.
+        gait: what it shall do; no sequence, which has stages for each of its parts.
         name: name of the gait, for the motion file.
         progress: called with samples done and samples in all by the IK.
+        start: joint angles (n,) that the IK begins from [rad]; None: the half-sitting posture.
 
     Raises:
         ConfigError: values of the gait that do not fit each other or this robot.
         InfeasibleGaitError: the robot cannot do it; names time, task or joint, and the remedy.
     """
+    if isinstance(gait, SequenceGait):
+        raise TypeError("a sequence is what mgs.sequence.generate_motion is for")
     seconds: dict[str, float] = {}
     plan = _timed(seconds, "motion_planner", lambda: plan_motion(robot, gait))
     tasks = _timed(seconds, "trajectory_planner", lambda: plan_trajectories(plan))
     if not gait.is_balanced:
         return _unbalanced(robot, gait, name, plan, tasks, seconds)
+    if start is not None:
+        tasks = dataclasses.replace(tasks, start=start)
     passes = _Passes(robot, gait, tasks, seconds, progress)
     error: dict[str, object] | None = None
-    if isinstance(gait, WalkGait):
+    if isinstance(gait, ZmpGait):
         com, joints, body, error = _filter(passes, gait.com)
     else:
         com = passes.first_com()
         joints, body = passes.run(com)
+    if isinstance(gait, KickGait):
+        refuse_speed(robot, joints.angles, gait.dt)
     motion = _timed(
         seconds,
         "dynamics",
@@ -75,7 +93,7 @@ def generate(
 
 def _unbalanced(
     robot: Robot,
-    gait: Gait,
+    gait: SingleGait,
     name: str,
     plan: MotionPlan,
     tasks: TaskTrajectory,
@@ -92,9 +110,9 @@ def _unbalanced(
     turns = slerp(plan.keys.base, robot.standing_q[3:FLOATING_BASE_NQ], rise)
     q = place_lowest(robot, joints.angles, turns)
     body = _timed(seconds, "dynamics", lambda: analyse(robot, q, tasks.dt, tasks.load_left))
-    body = replace(body, torque=np.zeros_like(body.torque), zmp=body.com[:, :2].copy())
+    body = dataclasses.replace(body, torque=np.zeros_like(body.torque), zmp=body.com[:, :2].copy())
     com = follow_com(body.com, tasks.dt)
-    tasks = replace(
+    tasks = dataclasses.replace(
         tasks, soles=body.soles, zmp_ref=body.zmp, com=body.com, com_height=body.com[:, 2],
         torso_asked=False,
     )  # fmt: skip
@@ -110,7 +128,7 @@ class _Passes:
     """
 
     robot: Robot
-    gait: Gait
+    gait: SingleGait
     tasks: TaskTrajectory
     seconds: dict[str, float]
     progress: Progress | None
@@ -118,7 +136,7 @@ class _Passes:
 
     def first_com(self) -> ComTrajectory:
         """Stage 3."""
-        parameters = self.gait.com if isinstance(self.gait, WalkGait) else None
+        parameters = self.gait.com if isinstance(self.gait, ZmpGait) else None
         return _timed(
             self.seconds, "com_generator", lambda: generate_com(self.tasks, parameters, self.robot)
         )
@@ -145,7 +163,7 @@ class _Passes:
 
     def _tell(self, done: int, total: int) -> None:
         if self.progress is not None:
-            most = 1 + (self.gait.com.passes if isinstance(self.gait, WalkGait) else 0)
+            most = 1 + (self.gait.com.passes if isinstance(self.gait, ZmpGait) else 0)
             self.progress(done + min(self.n_run, most - 1) * total, most * total)
 
 
@@ -196,7 +214,7 @@ def _whole_body(robot: Robot, tasks: TaskTrajectory, joints: JointTrajectory) ->
 
 def assemble(
     robot: Robot,
-    gait: Gait,
+    gait: SingleGait,
     name: str,
     plan: MotionPlan,
     tasks: TaskTrajectory,
@@ -236,6 +254,7 @@ def assemble(
             **gait.ik.model_dump(),
             **({} if zmp_error is None else {"zmp_error": zmp_error}),
         },
+        scene=plan.scene,
     )
 
 

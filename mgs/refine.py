@@ -23,7 +23,8 @@ from scipy.ndimage import gaussian_filter1d
 
 from mgs.checks import check_motion
 from mgs.com_generator import ComTrajectory, rest_window
-from mgs.errors import InfeasibleGaitError
+from mgs.errors import ConfigError, InfeasibleGaitError
+from mgs.gait import SequenceGait
 from mgs.ik_solver import solve_ik
 from mgs.motion import Motion
 from mgs.pipeline import Stages, assemble, generate
@@ -119,9 +120,14 @@ def refine(
         progress: called with replays done and replays that there may be.
 
     Raises:
+        ConfigError: the motion is a sequence.
         SimulationError: an engine is missing, or a simulation diverged.
         InfeasibleGaitError: the motion's own gait can no longer be generated.
     """
+    if isinstance(motion.gait, SequenceGait):
+        raise ConfigError(
+            motion.gait_name, "a sequence is not refined as a whole; refine its parts one by one"
+        )
     stages = generate(motion.robot, motion.gait, motion.gait_name)
     com = _shifted(stages.com, motion.com_ref - stages.com.position, motion.dt)
     done, most = 0, (1 + attempts) * len(engines)
@@ -169,9 +175,9 @@ def refine(
 
 def _motion_of(stages: Stages, com: ComTrajectory) -> Motion:
     motion = stages.motion
-    joints = solve_ik(motion.robot, stages.tasks, com, motion.gait.ik)
+    joints = solve_ik(motion.robot, stages.tasks, com, stages.gait.ik)
     name = motion.gait_name
-    return assemble(motion.robot, motion.gait, name, stages.plan, stages.tasks, com, joints)
+    return assemble(motion.robot, stages.gait, name, stages.plan, stages.tasks, com, joints)
 
 
 def _shifted(com: ComTrajectory, shift: Array, dt: float) -> ComTrajectory:

@@ -2,9 +2,10 @@
 
 Tolerances of a replay: the robot stays up to the end and one second longer, ends within
 max(10 % of the distance, 20 mm) and 5 deg of its plan, and holds no servo at its limit for longer
-than 50 ms in a row: the stall torque of an ideal servo, the speed-torque line of a modelled one. A
-motion without balance stands at its end, upright within 10 deg with a fifth of the weight on each
-sole, and nothing else is asked of it.
+than 50 ms in a row: the stall torque of an ideal servo, the speed-torque line of a modelled one.
+A ball that is kicked has, 0.1 s after contact, at least half the sole's speed and 0.3 m/s, within
+10 deg of the direction asked. A motion without balance stands at its end, upright within 10 deg
+with a fifth of the weight on each sole, and nothing else is asked of it.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mgs.checks import Check
-from mgs.sim import Agreement, Replay, ServoName, agreement
+from mgs.sim import Agreement, Replay, ServoName, Strike, agreement
 from mgs.sim.playback import FALL_TILT
 from mgs.sim.replay import STANDING_LOAD, STANDING_TILT_DEG
 
@@ -22,6 +23,8 @@ POSITION_RATIO, POSITION_FLOOR = 0.10, 0.020  # of the distance; [m]
 YAW_LIMIT_DEG = 5.0
 FALL_TILT_DEG = float(np.degrees(FALL_TILT))
 SATURATION_LIMIT = 0.050  # [s] in a row
+BALL_SPEED_RATIO, BALL_SPEED_FLOOR = 0.5, 0.3  # of the sole's speed; [m/s]
+BALL_DIRECTION_DEG = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +116,18 @@ def replay_checks(replay: Replay) -> list[Check]:
         _at_most(f"{name}_position", replay.position_error, allowed, "m from plan"),
         _at_most(f"{name}_yaw", yaw, YAW_LIMIT_DEG, "deg from plan"),
         _at_most(f"{name}_saturation", saturation, SATURATION_LIMIT, "s in a row", joint),
+        *(check for strike in replay.strikes for check in strike_checks(name, strike)),
+    ]
+
+
+def strike_checks(engine: str, strike: Strike) -> list[Check]:
+    """What a struck ball must show."""
+    least = max(BALL_SPEED_RATIO * strike.sole_speed, BALL_SPEED_FLOOR)
+    struck = strike.time is not None and strike.ball_speed >= least
+    speed, turn = strike.ball_speed, abs(strike.direction_error_deg)
+    return [
+        Check(f"{engine}_ball_speed", struck, speed, least, "m/s at least", strike.time, "ball"),
+        _at_most(f"{engine}_ball_direction", turn, BALL_DIRECTION_DEG, "deg", "ball"),
     ]
 
 

@@ -9,8 +9,10 @@ import pytest
 from hypothesis import settings
 
 from mgs.gait import Gait, list_gaits, load_gait
+from mgs.motion import Motion
 from mgs.pipeline import Stages, generate
 from mgs.robot import Robot, load_robot
+from mgs.sequence import generate_motion
 from tests.crooked import crooked_robot
 
 # the same examples in every run, and no failure because a machine is slow
@@ -43,15 +45,24 @@ def walk_5cm(melson: Robot) -> Stages:
     return generate(melson, load_gait("melson/walk_5cm"), "melson/walk_5cm")
 
 
-@pytest.fixture(scope="session", params=list_gaits())
+MOTIONS = {name: load_gait(name).motion for name in list_gaits()}
+
+
+@pytest.fixture(scope="session", params=[name for name in MOTIONS if MOTIONS[name] != "sequence"])
 def shipped(request: pytest.FixtureRequest) -> Generated:
-    """Every shipped gait in turn; one that names no robot is Melson's."""
+    """Every shipped gait of one part in turn; one that names no robot is Melson's."""
     return generated(request.param)
 
 
-@pytest.fixture(
-    scope="session", params=[name for name in list_gaits() if load_gait(name).motion == "walk"]
-)
+@pytest.fixture(scope="session", params=[name for name in MOTIONS if MOTIONS[name] == "sequence"])
+def shipped_sequence(request: pytest.FixtureRequest) -> Motion:
+    """The motion of every shipped sequence."""
+    gait = load_gait(request.param)
+    assert gait.robot is not None
+    return generate_motion(load_robot(gait.robot), gait, request.param).motion
+
+
+@pytest.fixture(scope="session", params=[name for name in MOTIONS if MOTIONS[name] == "walk"])
 def shipped_walk(request: pytest.FixtureRequest) -> Generated:
     """Those shipped gaits that are walks."""
     return generated(request.param)

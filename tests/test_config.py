@@ -63,9 +63,7 @@ def test_a_decimal_comma_is_refused():
     assert "walk.5: " in refusal("mgs: 1\nmotion: walk\nwalk: {n_steps: 2, step_length: 0,05}")
 
 
-@pytest.mark.parametrize(
-    "value", ["3.0", '"3"', "true", "0", "-1", "20001", "null", f"1{':0' * 4000}"]
-)
+@pytest.mark.parametrize("value", ["3.0", '"3"', "true", "0", "-1", "20001", f"1{':0' * 4000}"])
 def test_a_count_is_a_whole_number_in_its_range(value: str):
     assert "walk.n_steps: " in refusal(f"mgs: 1\nmotion: walk\nwalk: {{n_steps: {value}}}")
 
@@ -163,10 +161,9 @@ def test_an_unknown_motion_is_refused_with_those_that_there_are(motion: str):
         ("pick_up: {objct: 1.0}", "pick_up.objct"),
     ):
         lines = refusal(f"mgs: 1\nmotion: {motion}\n{block}").splitlines()
-        found = repr(yaml.safe_load(motion))
-        *others, last = map(repr, GAITS)
-        kinds = f"{', '.join(others)} or {last}"
-        assert f"a.yaml: motion: input should be {kinds}, found {found}" in lines
+        *others, last = [repr(kind) for kind in GAITS]
+        listed = f"{', '.join(others)} or {last}, found {yaml.safe_load(motion)!r}"
+        assert f"a.yaml: motion: input should be {listed}" in lines
         assert any(line.startswith(f"a.yaml: {key}: unknown key; did you mean") for line in lines)
 
 
@@ -190,7 +187,7 @@ def test_messages_are_short_and_hold_nothing_that_a_terminal_would_obey():
 
 
 def test_a_missing_key_is_named():
-    assert "a.yaml: walk.n_steps: missing" in refusal("mgs: 1\nmotion: walk\nwalk: {}")
+    assert "a.yaml: balance.duration: missing" in refusal("mgs: 1\nmotion: balance\nbalance: {}")
     assert "a.yaml: mgs: missing" in refusal("motion: walk\nwalk: {n_steps: 2}")
 
 

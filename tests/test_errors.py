@@ -9,6 +9,7 @@ import pytest
 from mgs import errors
 from mgs.errors import (
     ConfigError,
+    CycleError,
     DivergenceError,
     FootstepError,
     IkError,
@@ -18,6 +19,7 @@ from mgs.errors import (
     MgsError,
     MotionFileError,
     OutputExistsError,
+    SeamError,
     SimulationError,
 )
 
@@ -30,6 +32,8 @@ EXAMPLES = [
     FootstepError(2, 3, -0.004, "try a larger step_width"),
     IkError(1.25, "CoM", 3e-3, 2e-4, "m"),
     JointLimitError(1.25, "left_knee_pitch", -0.1, 0.0, 2.2),
+    SeamError("sequence.parts.1 (walk)", "the CoM is 0.007 m off", "let both agree"),
+    CycleError("no two steps"),
     SimulationError("no engine"),
     DivergenceError("diverged"),
     OutputExistsError("a.mcap"),

@@ -7,6 +7,7 @@ import click
 from mgs import __version__
 from mgs.cli.envelope import envelope
 from mgs.cli.experiment import experiment
+from mgs.cli.export import export
 from mgs.cli.generate import generate
 from mgs.cli.inspect import info, plot
 from mgs.cli.judge import replay, validate
@@ -69,6 +70,7 @@ for command in (
     replay,
     envelope,
     refine,
+    export,
     robot,
     experiment,
     schema,

@@ -59,8 +59,8 @@ def generate(
         raise ConfigError(gait, "robot: missing; name one in the file or with --robot")
 
     from mgs.motion_file import write_motion
-    from mgs.pipeline import generate as run
     from mgs.robot import load_robot
+    from mgs.sequence import generate_motion
 
     robot = load_robot(parameters.robot)
     name = Path(gait).stem
@@ -71,11 +71,11 @@ def generate(
 
     def work(bar: ProgressBar) -> tuple[Motion, dict[str, float]]:
         try:
-            stages = run(robot, parameters, name, progress=bar)
+            made = generate_motion(robot, parameters, name, progress=bar)
         except ConfigError as error:  # a stage knows the key, not the file that it came from
             problems = [f"{error.source}: {problem}" for problem in error.problems]
             raise ConfigError(gait, problems) from error
-        return stages.motion, stages.seconds
+        return made.motion, made.seconds
 
     motion, seconds = with_progress("inverse kinematics", work)
     begun = time.perf_counter()
@@ -96,7 +96,7 @@ def _summary(path: Path, motion: Motion, seconds: dict[str, float]) -> dict[str,
         "file": str(path),
         "robot": motion.robot.spec.name,
         "gait": motion.gait_name,
-        "solver": motion.gait.ik.solver,
+        "solver": motion.solver["solver"],
         "samples": motion.n_samples,
         "dt": motion.dt,
         "duration": motion.duration,

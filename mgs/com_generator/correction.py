@@ -44,8 +44,8 @@ def correct_com(
     position[:, :2] += response.position[:, :2]
     corrected = ComTrajectory(
         position=position,
-        velocity=com.velocity + response.velocity,
-        acceleration=com.acceleration + response.acceleration,
+        velocity=com.velocity + response.velocity * [1.0, 1.0, 0.0],
+        acceleration=com.acceleration + response.acceleration * [1.0, 1.0, 0.0],
         zmp=com.zmp + response.zmp,
     )
     require_rest(corrected, zmp_ref[-1])

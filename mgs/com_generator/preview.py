@@ -124,11 +124,11 @@ def respond(
     # seen from its start: a finite window takes what lies beyond it for the origin
     states = _closed_loop(gains, zmp_ref - zmp_ref[0])  # (N, 3, 2)
     states[:, 0] += zmp_ref[0]
-    flat = np.zeros(len(zmp_ref))
+    speed = np.gradient(com_height, dt)
     return ComTrajectory(
         position=np.column_stack([states[:, 0], com_height]),
-        velocity=np.column_stack([states[:, 1], flat]),
-        acceleration=np.column_stack([states[:, 2], flat]),
+        velocity=np.column_stack([states[:, 1], speed]),
+        acceleration=np.column_stack([states[:, 2], np.gradient(speed, dt)]),
         zmp=np.einsum("j,njk->nk", gains.C, states),
     )
 

@@ -68,11 +68,11 @@ def bound_zmp(robot: Robot, tasks: TaskTrajectory, parameters: ComParameters) ->
     if x is None:
         raise _refusal(problem, tasks, parameters)
     c, v, a = x.reshape(len(height), 3, 2).transpose(1, 0, 2)
-    flat = np.zeros(len(height))
+    speed = np.gradient(height, tasks.dt)
     return ComTrajectory(
         position=np.column_stack([start + c, height]),
-        velocity=np.column_stack([omega * v, flat]),
-        acceleration=np.column_stack([omega**2 * a, flat]),
+        velocity=np.column_stack([omega * v, speed]),
+        acceleration=np.column_stack([omega**2 * a, np.gradient(speed, tasks.dt)]),
         zmp=start + c - a,
     )
 

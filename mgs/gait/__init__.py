@@ -4,7 +4,6 @@ One module for each block of a file. SI units; x forward, y left, z up; angles i
 """
 
 from mgs.gait.balance import (
-    COM_TOLERANCE,
     AnyChannel,
     BalanceParameters,
     ConstantChannel,
@@ -12,6 +11,7 @@ from mgs.gait.balance import (
     RampChannel,
     SineChannel,
 )
+from mgs.gait.find import find_gait, list_gaits, shipped_folder
 from mgs.gait.ik import (
     FarajiParameters,
     IkParameters,
@@ -19,44 +19,71 @@ from mgs.gait.ik import (
     WholeBodyIkParameters,
 )
 from mgs.gait.keyframes import Keyframe, KeyframesParameters
+from mgs.gait.kick import BallParameters, KickParameters
 from mgs.gait.kinds import (
     GAITS,
+    MAX_SAMPLES,
     BalanceGait,
     Gait,
     GaitFile,
     KeyframesGait,
+    KickGait,
     PickUpGait,
+    SequenceGait,
+    SequencePart,
+    SingleGait,
     WalkGait,
+    ZmpGait,
     gait_schema,
 )
-from mgs.gait.load import find_gait, list_gaits, load_gait, parse_gait, shipped_folder
+from mgs.gait.load import load_gait, parse_gait
 from mgs.gait.pick_up import PickUpParameters
-from mgs.gait.walk import ComParameters, WalkParameters
+from mgs.gait.walk import (
+    COM_TOLERANCE,
+    BoxParameters,
+    ComParameters,
+    FootstepParameters,
+    GoalParameters,
+    StepParameters,
+    WalkParameters,
+)
 
 __all__ = [
     "COM_TOLERANCE",
     "GAITS",
+    "MAX_SAMPLES",
     "AnyChannel",
     "BalanceGait",
     "BalanceParameters",
+    "BallParameters",
+    "BoxParameters",
     "ComParameters",
     "ConstantChannel",
     "FarajiParameters",
     "FigureEightChannel",
+    "FootstepParameters",
     "Gait",
     "GaitFile",
+    "GoalParameters",
     "IkParameters",
     "Keyframe",
     "KeyframesGait",
     "KeyframesParameters",
+    "KickGait",
+    "KickParameters",
     "PickUpGait",
     "PickUpParameters",
     "PrioritizedParameters",
     "RampChannel",
+    "SequenceGait",
+    "SequencePart",
     "SineChannel",
+    "SingleGait",
+    "StepParameters",
     "WalkGait",
     "WalkParameters",
     "WholeBodyIkParameters",
+    "ZmpGait",
     "find_gait",
     "gait_schema",
     "list_gaits",

@@ -7,9 +7,9 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from mgs.config import Model
+from mgs.gait.walk import COM_TOLERANCE
 
 MAX_SECONDS = 36_000.0
-COM_TOLERANCE = 2e-4  # [m]
 
 Displacement = Annotated[float, Field(ge=-2.0, le=2.0)]
 Frequency = Annotated[float, Field(gt=0.0, le=20.0)]

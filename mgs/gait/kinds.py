@@ -7,18 +7,20 @@ from typing import Annotated, Any, Literal
 import numpy as np
 import yaml
 from numpy.typing import NDArray
-from pydantic import Field, TypeAdapter, model_validator
+from pydantic import ConfigDict, Field, TypeAdapter, model_validator
 
 from mgs.config import FormatVersion, Model
-from mgs.gait.balance import COM_TOLERANCE, BalanceParameters
+from mgs.gait.balance import BalanceParameters
 from mgs.gait.ik import IkParameters, WholeBodyIkParameters
 from mgs.gait.keyframes import KeyframesParameters
+from mgs.gait.kick import KickParameters
 from mgs.gait.pick_up import PickUpParameters
-from mgs.gait.walk import ComParameters, WalkParameters
+from mgs.gait.walk import COM_TOLERANCE, ComParameters, WalkParameters
 from mgs.geometry import quintic
 
 Array = NDArray[np.float64]
 MAX_SAMPLES = 2_000_000  # about 5 GB of arrays
+MAX_PARTS = 1000  # of a sequence
 
 
 class GaitFile(Model):
@@ -57,32 +59,50 @@ class GaitFile(Model):
             )
 
 
-class WalkGait(GaitFile):
-    """A gait file with `motion: walk`."""
+class ZmpGait(GaitFile):
+    """A gait whose CoM follows from the ZMP."""
 
-    motion: Literal["walk"] = Field(description="Kind of motion.")
-    walk: WalkParameters
     com: ComParameters = ComParameters()
     ik: IkParameters = IkParameters()
 
     @model_validator(mode="after")
-    def _rests_as_long_as_it_previews(self) -> WalkGait:
+    def _rests_as_long_as_it_previews(self) -> ZmpGait:
         for key in ("lead_in", "lead_out"):
-            rest = getattr(self.walk, key)
+            rest = getattr(getattr(self, self.motion), key)
             if rest < self.com.preview:
                 raise ValueError(
-                    f"walk.{key} = {rest:g} s is shorter than the preview window com.preview = "
-                    f"{self.com.preview:g} s; the CoM would not be at rest: lengthen walk.{key}"
+                    f"{self.motion}.{key} = {rest:g} s is shorter than the preview window "
+                    f"com.preview = {self.com.preview:g} s; the CoM would not be at rest: lengthen "
+                    f"{self.motion}.{key}"
                 )
         return self
+
+
+class WalkGait(ZmpGait):
+    """A gait file with `motion: walk`."""
+
+    motion: Literal["walk"] = Field(description="Kind of motion.")
+    walk: WalkParameters
+
+    @property
+    def com_tolerance(self) -> float:
+        """Largest distance of the CoM from its reference that passes [m]."""
+        return self.walk.com_tolerance
 
     @model_validator(mode="after")
     def _fits_into_memory(self) -> WalkGait:
         walk = self.walk
         rests = walk.lead_in + walk.lead_out + walk.double_support
-        steps = walk.n_steps * (walk.double_support + walk.single_support)
+        steps = walk.most_steps * (walk.double_support + walk.single_support)
         self._refuse_too_long(rests + steps, "fewer walk.n_steps")
         return self
+
+
+class KickGait(ZmpGait):
+    """A gait file with `motion: kick`."""
+
+    motion: Literal["kick"] = Field(description="Kind of motion.")
+    kick: KickParameters = KickParameters()
 
 
 class BalanceGait(GaitFile):
@@ -144,12 +164,104 @@ class PickUpGait(GaitFile):
         return np.asarray(pick_up.payload * taken[:, None] * hands)
 
 
-Gait = WalkGait | BalanceGait | KeyframesGait | PickUpGait
-GAITS: dict[str, type[GaitFile]] = {
+SingleGait = WalkGait | KickGait | BalanceGait | KeyframesGait | PickUpGait
+
+
+def _as_written(schema: dict[str, Any]) -> None:
+    """In a file a part may name its gait and change it; reading puts the outcome in its place."""
+    gait = schema["properties"]["gait"]
+    named = {"type": "string", "minLength": 1}
+    schema["properties"]["gait"] = {
+        "description": gait.pop("description"), "anyOf": [named, gait]
+    }  # fmt: skip
+    schema["properties"]["set"] = {
+        "description": "Changes of the gait, applied on reading, such as walk.n_steps: 4.",
+        "type": "object",
+    }
+
+
+class SequencePart(Model):
+    """One gait of a sequence, once or several times in a row."""
+
+    model_config = ConfigDict(json_schema_extra=_as_written)
+
+    name: str = Field(
+        "", max_length=200, description="For messages; empty: that of the gait file, or its motion."
+    )
+    gait: SingleGait = Field(
+        discriminator="motion",
+        description="Shipped gait, a path from the file's own folder, or the gait itself.",
+    )
+    repeat: int = Field(1, ge=1, le=MAX_PARTS, description="Times that it is done.")
+
+    @property
+    def label(self) -> str:
+        """What messages call it."""
+        return self.name or self.gait.motion
+
+
+class SequenceParameters(Model):
+    """Gaits that follow one another; each begins where the one before has ended."""
+
+    parts: list[SequencePart] = Field(
+        min_length=1, max_length=MAX_PARTS, description="In this order."
+    )
+    transition: float = Field(
+        1.0,
+        ge=0.0,
+        le=60.0,
+        description="Time between two parts of which one does not begin in the posture that the "
+        "other ends in [s]; 0: refuse it.",
+    )
+
+    @model_validator(mode="after")
+    def _are_not_too_many(self) -> SequenceParameters:
+        if (n := sum(part.repeat for part in self.parts)) > MAX_PARTS:
+            raise ValueError(f"parts and their repetitions are {n}, {MAX_PARTS} allowed")
+        return self
+
+
+class SequenceGait(GaitFile):
+    """A gait file with `motion: sequence`."""
+
+    motion: Literal["sequence"] = Field(description="Kind of motion.")
+    sequence: SequenceParameters
+
+    @property
+    def com_tolerance(self) -> float:
+        """Largest distance of the CoM from its reference that passes [m]: the widest of a part."""
+        return max(part.gait.com_tolerance for part in self.sequence.parts)
+
+    @model_validator(mode="after")
+    def _parts_fit_together(self) -> SequenceGait:
+        for i, part in enumerate(self.sequence.parts):
+            where = f"sequence.parts.{i} ({part.label})"
+            if part.gait.dt != self.dt:
+                raise ValueError(
+                    f"{where}: dt = {part.gait.dt:g} s, that of the sequence is {self.dt:g} s; "
+                    f"write set: {{dt: {self.dt:g}}} in this part"
+                )
+            if not part.gait.is_balanced or part.gait.payload(np.zeros(1)) is not None:
+                raise ValueError(
+                    f"{where}: motions without balance, and payloads, which stay in the hand, have "
+                    "no place in a sequence; make a motion of its own of this part"
+                )
+            if part.gait.robot not in (None, self.robot):
+                raise ValueError(
+                    f"{where}: made for {part.gait.robot}, the sequence for {self.robot}; write "
+                    f"set: {{robot: {self.robot}}} in this part to take it over"
+                )
+        return self
+
+
+Gait = SingleGait | SequenceGait
+GAITS: dict[str, type[Gait]] = {
     "walk": WalkGait,
+    "kick": KickGait,
     "balance": BalanceGait,
     "keyframes": KeyframesGait,
     "pick_up": PickUpGait,
+    "sequence": SequenceGait,
 }
 
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import importlib.resources
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import create_model
 
-from mgs.config import build, is_file, parse_yaml, read_text, set_key
-from mgs.errors import ConfigError
-from mgs.gait.kinds import GAITS, Gait, GaitFile
+from mgs.config import build, parse_yaml, read_text, set_key
+from mgs.gait.find import find_gait
+from mgs.gait.kinds import GAITS, Gait
+from mgs.gait.sequence import resolve_parts, split_assignments
 
 
 def load_gait(name_or_path: str | Path, assignments: tuple[str, ...] = ()) -> Gait:
@@ -24,50 +24,36 @@ def load_gait(name_or_path: str | Path, assignments: tuple[str, ...] = ()) -> Ga
         ConfigError: the file is missing or malformed, or a value is out of range.
     """
     path = find_gait(name_or_path)
-    return parse_gait(read_text(path), path, assignments)
+    return parse_gait(read_text(path), path, assignments, path.parent)
 
 
-def parse_gait(text: str, source: str | Path, assignments: tuple[str, ...] = ()) -> Gait:
-    """Gait from YAML text; raises ConfigError naming `source`."""
+def parse_gait(
+    text: str,
+    source: str | Path,
+    assignments: tuple[str, ...] = (),
+    folder: Path | None = None,
+) -> Gait:
+    """Gait from YAML text; raises ConfigError naming `source`.
+
+    A sequence may name other gait files, relative to `folder`; None: it has to hold everything.
+    """
     tree: Any = parse_yaml(text, source)
-    for assignment in assignments:
+    own = assignments
+    if is_sequence := isinstance(tree, dict) and tree.get("motion") == "sequence":
+        own, inner = split_assignments(assignments)
+    for assignment in own:
         set_key(tree, assignment)
-    gait: Any = build(_kind_of(tree), tree, source)
-    return gait
+    if is_sequence:
+        resolve_parts(tree, source, folder, inner)
+    return build(_kind_of(tree), tree, source)
 
 
-def _kind_of(tree: Any) -> type[GaitFile]:
+def _kind_of(tree: Any) -> type[Gait]:
     """The kind that `motion` names; else one that refuses it and checks the block that is there."""
     kind = tree.get("motion") if isinstance(tree, dict) else None
     if isinstance(kind, str) and kind in GAITS:
         return GAITS[kind]
-    blocks = [name for name in GAITS if isinstance(tree, dict) and name in tree]
-    looks_like = blocks[-1] if blocks else "walk"
+    there = tree if isinstance(tree, dict) else {}
+    looks_like = next((name for name in GAITS if name in there), "walk")
     any_kind: Any = Literal[tuple(GAITS)]
     return create_model("GaitOfUnknownKind", __base__=GAITS[looks_like], motion=(any_kind, ...))
-
-
-def find_gait(name_or_path: str | Path) -> Path:
-    """Path of a gait given by path or shipped name; raises ConfigError listing what ships."""
-    path = Path(name_or_path)
-    if is_file(path):
-        return path
-    shipped = shipped_folder("gaits")
-    named = shipped / f"{name_or_path}.yaml"
-    if is_file(named) and shipped in named.resolve().parents:
-        return named
-    names = ", ".join(list_gaits())
-    raise ConfigError(name_or_path, f"no such file and no gait of that name; shipped: {names}")
-
-
-def list_gaits() -> list[str]:
-    """Names of the shipped gaits."""
-    root = shipped_folder("gaits")
-    return sorted(p.relative_to(root).with_suffix("").as_posix() for p in root.rglob("*.yaml"))
-
-
-def shipped_folder(kind: Literal["gaits", "robots"]) -> Path:
-    """Folder of shipped gaits or robots: inside an installed wheel, else beside the package."""
-    package = Path(str(importlib.resources.files("mgs")))
-    inside = package / "data" / kind
-    return (inside if inside.is_dir() else package.parent / kind).resolve()

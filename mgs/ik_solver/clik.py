@@ -140,7 +140,7 @@ class _Run:
     def follow(self, progress: Callable[[int, int], None] | None) -> JointTrajectory:
         """Walk through the spans that stand on one sole, since each has its own tree."""
         roots, n = self.tasks.root, self.tasks.n_samples
-        q = self.robot.posture
+        q = self.robot.posture if self.tasks.start is None else self.tasks.start
         for start, end in root_spans(self.tasks):
             tree = self.trees[roots[start]]
             tree.place(pin.XYZQUATToSE3(self.tasks.soles[start, roots[start]]))

@@ -121,7 +121,7 @@ def shared_wrenches(weight: float, tasks: TaskTrajectory, com: Array) -> Array:
     total = np.zeros((len(com), 6))
     total[:, 2] = weight
     total[:, 3], total[:, 4] = weight * com[:, 1], -weight * com[:, 0]
-    return share_wrench(total, com[:, :2], tasks.soles[..., :2], tasks.load_left)
+    return share_wrench(total, com[:, :2], tasks.soles[..., :3], tasks.load_left)
 
 
 def wrench_cones(robot: Robot, side: Side, tasks: TaskTrajectory, wrenches: Array) -> Array:

@@ -138,11 +138,6 @@ class FarajiRun:
         if tasks.held is not None:
             weight[tasks.held] = HELD_WEIGHT
         self.posture_weight = weight * (1.0 + gamma if solver.method == 4 else 1.0)
-        self.posture = (
-            np.broadcast_to(robot.posture, (tasks.n_samples, robot.n))
-            if tasks.posture is None
-            else tasks.posture
-        )
         self.damping = np.full(nv, tuning.damping)
         self.damping[FLOATING_BASE_NV:] += self.posture_weight
         self.region = SafetyRegion(
@@ -156,6 +151,14 @@ class FarajiRun:
         self.qp = BoundedQp(nv, m_hard)
         self.low, self.high = np.empty(robot.n), np.empty(robot.n)
         self.q = robot.standing_q.copy()
+        if tasks.start is not None:
+            self.q[FLOATING_BASE_NQ:] = tasks.start
+        # that joints left over are drawn to, at every sample
+        self.posture = (
+            np.tile(self.q[FLOATING_BASE_NQ:], (tasks.n_samples, 1))
+            if tasks.posture is None
+            else tasks.posture
+        )
         self.H, self.g = np.zeros((nv, nv)), np.zeros(nv)
         self.A, self.b = self.J_hard, self.E_hard
         self._diagonal = self.H.ravel()[:: nv + 1]  # a view
@@ -177,7 +180,7 @@ class FarajiRun:
 
     def start(self) -> None:
         """Bring q from the half-sitting posture onto the first sample, at any speed."""
-        region, joints = self.region, self.robot.posture
+        region, joints = self.region, self.q[FLOATING_BASE_NQ:]
         tight = np.flatnonzero(region.lower >= region.upper)
         if len(tight):
             half = 0.5 * (self.robot.upper - self.robot.lower).min()

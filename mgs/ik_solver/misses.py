@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mgs.errors import IkError, JointLimitError
+from mgs.errors import IkError, InfeasibleGaitError, JointLimitError
 from mgs.ik_solver.body_tasks import BodyTargets, BodyTasks
 from mgs.robot import Robot
 
@@ -83,4 +83,16 @@ def refuse_limits(robot: Robot, joints: Array, dt: float, start: int = 0) -> Non
             float(joints[k, j]),
             float(robot.lower[j]),
             float(robot.upper[j]),
+        )
+
+
+def refuse_speed(robot: Robot, angles: Array, dt: float) -> None:
+    """Raise InfeasibleGaitError where joint angles (N, n) move faster than servos do."""
+    speed = np.abs(np.diff(angles, axis=0)) / dt
+    k, j = np.unravel_index(np.argmax(speed / robot.speed_limit), speed.shape)
+    if speed[k, j] > robot.speed_limit[j]:
+        raise InfeasibleGaitError(
+            f"t = {k * dt:.3f} s: joint {robot.joint_names[j]} would have to move at "
+            f"{speed[k, j]:.2f} rad/s, its servo gives {robot.speed_limit[j]:.2f}; use a lower "
+            "kick.speed or a longer kick.back_swing and kick.follow_through"
         )

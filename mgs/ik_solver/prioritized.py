@@ -142,6 +142,9 @@ class PrioritizedRun:
         largest = float(robot.speed_limit.max()) / (self.dt if solver.acceleration else 1.0)
         self.least_behind = self.bound / largest
         self.q, self.v = robot.standing_q.copy(), np.zeros(nv)
+        if tasks.start is not None:
+            self.q[FLOATING_BASE_NQ:] = tasks.start
+        self.posture = self.q[FLOATING_BASE_NQ:].copy()  # that joints left over are drawn to
         self.error, self.rates = np.empty(m), np.empty(m)
         self.bias, self.free = np.empty(m), np.zeros(nv)
         self.configurations = np.empty((tasks.n_samples, robot.model.nq))
@@ -153,7 +156,7 @@ class PrioritizedRun:
         """
         for _ in range(MAX_START_ITERATIONS):
             self._measure(0)
-            self.free[FLOATING_BASE_NV:] = self.robot.posture - self.q[FLOATING_BASE_NQ:]
+            self.free[FLOATING_BASE_NV:] = self.posture - self.q[FLOATING_BASE_NQ:]
             dq = self._solve(self._start_set, 0, self.error)
             largest = float(np.abs(dq).max())
             dq *= min(1.0, MAX_START_STEP / largest) if largest > 0.0 else 1.0
@@ -225,7 +228,7 @@ class PrioritizedRun:
         """Fill the velocity that joints follow where no level asks for anything."""
         free, joints = self.free, self.q[FLOATING_BASE_NQ:]
         free[:FLOATING_BASE_NV] = 0.0
-        np.subtract(self.robot.posture, joints, out=free[FLOATING_BASE_NV:])
+        np.subtract(self.posture, joints, out=free[FLOATING_BASE_NV:])
         free *= POSTURE_RATE
 
     def _blend(self, k: int) -> Array:

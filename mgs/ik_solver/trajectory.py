@@ -127,7 +127,8 @@ class Problem:
         self, tuning: TrajectoryIk, robot: Robot, tasks: TaskTrajectory, com: ComTrajectory
     ) -> None:
         self.tuning, self.dt, n = tuning, tasks.dt, tasks.n_samples
-        self.pinned = PINNED if tuning.start == "posture" else 0
+        given = tuning.start == "posture" or tasks.start is not None
+        self.pinned = PINNED if given else 0
         sharing, loads = tuning.closed_loop.double_support, None
         in_time = np.ones(n)
         if sharing == "off":

@@ -68,7 +68,7 @@ def _footstep_markers(robot: Robot, footsteps: tuple[Footstep, ...]) -> list[dic
     """Sole rectangles, numbered in the order of the footsteps."""
     markers = []
     for i, step in enumerate(footsteps):
-        sole, position = robot.sole_spec(step.side), {"x": step.x, "y": step.y}
+        sole, position = robot.sole_spec(step.side), {"x": step.x, "y": step.y, "z": step.z}
         orientation = _xyzw(quat_xyzw_from_yaw(step.yaw))
         markers.append(
             {

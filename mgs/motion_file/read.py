@@ -36,10 +36,11 @@ from mgs.motion_file.topics import (
 from mgs.motion_file.transforms import link_tree
 from mgs.motion_file.write import FORMAT_VERSION
 from mgs.robot import Robot, build_robot
+from mgs.scene import Ball, Box, Scene
 
 Times = NDArray[np.uint64]
 BYTES_PER_INDEX_ENTRY = 16
-JSON_KEYS = ("dt", "samples", "duration", "mass", "solver", "footsteps")
+JSON_KEYS = ("dt", "samples", "duration", "mass", "solver", "footsteps", "scene")
 
 
 class FootstepEntry(Model):
@@ -49,6 +50,37 @@ class FootstepEntry(Model):
     x: float
     y: float
     yaw: float
+    z: float = 0.0
+
+
+class BoxEntry(Model):
+    """A box in the metadata."""
+
+    x: float
+    y: float
+    yaw: float
+    length: float = Field(gt=0.0)
+    width: float = Field(gt=0.0)
+    height: float = Field(gt=0.0)
+
+
+class BallEntry(Model):
+    """A ball in the metadata."""
+
+    x: float
+    y: float
+    radius: float = Field(gt=0.0)
+    mass: float = Field(gt=0.0)
+    time: float
+    direction: float
+    speed: float
+
+
+class SceneEntry(Model):
+    """What is on the ground, in the metadata."""
+
+    boxes: list[BoxEntry] = Field([])
+    balls: list[BallEntry] = Field([])
 
 
 class MotionMetadata(Model):
@@ -59,6 +91,7 @@ class MotionMetadata(Model):
     samples: int = Field(gt=0)
     solver: dict[str, Any]
     footsteps: list[FootstepEntry]
+    scene: SceneEntry = SceneEntry()
 
 
 def read_motion(path: Path) -> Motion:
@@ -170,9 +203,15 @@ def _read(path: Path, reader: ChunkReader) -> Motion:
         gait=gait,
         gait_name=meta.gait,
         dt=meta.dt,
-        footsteps=tuple(Footstep(Side[s.side.upper()], s.x, s.y, s.yaw) for s in meta.footsteps),
+        footsteps=tuple(
+            Footstep(Side[s.side.upper()], s.x, s.y, s.yaw, s.z) for s in meta.footsteps
+        ),
         support=support,
         solver=meta.solver,
+        scene=Scene(
+            boxes=tuple(Box(**box.model_dump()) for box in meta.scene.boxes),
+            balls=tuple(Ball(**ball.model_dump()) for ball in meta.scene.balls),
+        ),
         **arrays,
     )
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import BinaryIO
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 import mgs
 from mgs.contact import Support
 from mgs.errors import MgsError, MotionFileError, OutputExistsError
-from mgs.files import part_of
+from mgs.files import replacing
 from mgs.motion import Motion
 from mgs.motion_file.check import find_problem
 from mgs.motion_file.mcap_writer import (
@@ -71,29 +71,11 @@ def write_motion(
     if path.is_dir() or (path.exists() and not force):
         raise OutputExistsError(path)
     try:
-        with _replacing(path) as stream:
+        with replacing(path) as stream:
             _write(motion, stream, progress or (lambda done, total: None))
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise MgsError(f"{path}: cannot be written: {reason}") from error
-
-
-@contextlib.contextmanager
-def _replacing(path: Path) -> Iterator[BinaryIO]:
-    """Stream into a file beside `path` that takes its place when all went well, else vanishes."""
-    new_folders = [folder for folder in path.parents if not folder.exists()]  # innermost first
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = part_of(path)
-    try:
-        with part.open("x+b") as stream:
-            yield stream
-        part.replace(path)
-    except BaseException:  # KeyboardInterrupt too
-        part.unlink(missing_ok=True)
-        with contextlib.suppress(OSError):  # someone else has put something there
-            for folder in new_folders:
-                folder.rmdir()
-        raise
 
 
 def _write(motion: Motion, stream: BinaryIO, progress: Progress) -> None:
@@ -119,7 +101,7 @@ def _write(motion: Motion, stream: BinaryIO, progress: Progress) -> None:
 
 def metadata(motion: Motion) -> dict[str, str]:
     """The metadata record `mgs`; every number as JSON, so that it reads back exactly."""
-    footsteps = [{"side": s.side.label, "x": s.x, "y": s.y, "yaw": s.yaw} for s in motion.footsteps]
+    footsteps = [asdict(s) | {"side": s.side.label} for s in motion.footsteps]
     return {
         "mgs_version": mgs.__version__,
         "schema_version": str(FORMAT_VERSION),
@@ -132,6 +114,7 @@ def metadata(motion: Motion) -> dict[str, str]:
         "mass": json.dumps(motion.robot.mass),
         "seed": "none",  # the four stages draw no random numbers
         "footsteps": json.dumps(footsteps, allow_nan=False),
+        "scene": json.dumps(asdict(motion.scene), allow_nan=False),
     }
 
 

@@ -9,8 +9,18 @@ from numpy.typing import NDArray
 
 from mgs.contact import Footstep, Support
 from mgs.gait import AnyChannel
+from mgs.knots import Knots
+from mgs.scene import EMPTY, Scene
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SwingPath:
+    """How a swing sole travels, where not as a step over level ground; times from lift-off."""
+
+    planar: Knots  # x, y [m], yaw [rad]
+    height: Knots  # z [m]
 
 
 @dataclass(frozen=True)
@@ -26,6 +36,16 @@ class Phase:
     support: Support
     feet: tuple[int, int]
     target: int | None = None
+    path: SwingPath | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class LegReach:
+    """How far soles may be from the CoM: ankles within a leg's length of the hips."""
+
+    hips: Array  # (2, 3) from the CoM, heading ahead [m]
+    ankles: Array  # (2, 3) from the sole, in its frame [m]
+    length: float  # [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,5 +101,9 @@ class MotionPlan:
     zmp_offset: tuple[float, float]  # forward and inward of the sole centre [m]
     hand_offsets: Array  # (2, 3) hands from the CoM, axes turned with the heading; NaN: free [m]
     torso: Array  # (4,) quaternion xyzw of the torso at rest, heading ahead
+    zmp_travel: float = 0.0  # from heel to toe in a single support [m]
+    arm_swing: float = 0.0  # way of a hand as a part of that of the opposite foot
+    scene: Scene = EMPTY
+    reach: LegReach | None = None  # bounds the CoM's height; None: it is as asked
     body: BodyPlan | None = None  # None: the CoM follows from the ZMP, or from `keys`
     keys: KeyPlan | None = None

@@ -9,10 +9,11 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from mgs.contact import Footstep, Side, Support
-from mgs.motion_planner.motion_plan import KeyPlan, MotionPlan, Phase
+from mgs.motion_planner.motion_plan import KeyPlan, LegReach, MotionPlan, Phase
 from mgs.robot import Robot, midpoint_width
 
 Array = NDArray[np.float64]
+STRETCH = 0.97  # of a straight leg that is made use of
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +37,22 @@ def standing_figures(robot: Robot) -> StandingFigures:
             hands[side] = np.nan
     torso = pin.Quaternion(data.oMf[robot.torso_frame].rotation).coeffs()
     return StandingFigures(com, hands, np.array(torso))
+
+
+def leg_reach(robot: Robot) -> LegReach:
+    """Hips and ankles of the half-sitting posture, and how far apart they may be."""
+    model, data = robot.model, robot.model.createData()
+    pin.framesForwardKinematics(model, data, robot.standing_q)
+    com = pin.centerOfMass(model, data, robot.standing_q, False).copy()
+    hips, ankles, lengths = np.empty((2, 3)), np.empty((2, 3)), []
+    for side in Side:
+        frame = robot.sole_frames[side]
+        chain = [joint for joint in model.supports[model.frames[frame].parentJoint] if joint > 1]
+        hips[side] = data.oMi[chain[0]].translation - com
+        ankles[side] = data.oMf[frame].actInv(data.oMi[chain[-1]].translation)
+        places = [model.jointPlacements[joint].translation for joint in chain[1:]]
+        lengths.append(sum(float(np.linalg.norm(place)) for place in places))
+    return LegReach(hips, ankles, STRETCH * min(lengths))
 
 
 def standing_plan(

@@ -23,6 +23,7 @@ from mgs.report.canvas import (
     new_figure,
     style_axes,
 )
+from mgs.report.scenery import draw_scene_above
 
 Array = NDArray[np.float64]
 MM = 1e3  # of a metre
@@ -54,6 +55,7 @@ def draw_above(axes: Axes, motion: Motion) -> None:
         axes.set_aspect("equal")
     else:
         style_axes(axes, note="x and y to different scales", xlabel="x [mm]", ylabel="y [mm]")
+    draw_scene_above(axes, motion.scene, MM)
     _draw_footsteps(axes, motion)
     com, zmp, zmp_ref = MM * motion.com, MM * motion.zmp, MM * motion.zmp_ref
     axes.plot(com[:, 0], com[:, 1], color=PURPLE, linewidth=3.4, alpha=0.75, label="CoM")
@@ -92,8 +94,11 @@ def _draw_footsteps(axes: Axes, motion: Motion) -> None:
         )
     axes.autoscale_view()
     every = math.ceil(len(motion.footsteps) / MAX_NUMBERS)
+    places: set[Footstep] = set()
     for number, footstep in list(enumerate(motion.footsteps, start=-1))[::every]:
-        _number(axes, motion, footstep, str(max(number, 0)))  # the two initial ones are 0
+        if footstep not in places:  # a foot may come back to where it was
+            _number(axes, motion, footstep, str(max(number, 0)))  # the two initial ones are 0
+        places.add(footstep)
 
 
 def _number(axes: Axes, motion: Motion, footstep: Footstep, text: str) -> None:

@@ -24,11 +24,14 @@ from mgs.report.canvas import (
 )
 from mgs.report.ground import draw_above, footstep_corners
 from mgs.report.robot_drawing import box_corners, draw_robot, view_from
+from mgs.report.scenery import NEARBY, draw_scene
 
 Array = NDArray[np.float64]
 WIDTH = 9.2  # [inch]
 VIEW = view_from(-58.0, 14.0)  # from the right and front: the robot walks to the right
 N_POSES, MIN_PLACES = 8, 6  # drawn at most; as wide as so many, even where there are fewer
+MIN_STEPS = 2  # of a motion that is shown step by step
+MOVING = 0.02  # of the fastest joint, at which a motion counts as moving
 SPACING, OVERHANG, CAPTION = 1.0, 0.58, 0.4  # of the CoM's height, around the robots
 
 
@@ -41,7 +44,7 @@ def picture_strip(motion: Motion, n_poses: int = N_POSES) -> Figure:
     places = max(len(samples), MIN_PLACES)
     width = ((places - 1) * SPACING + 2 * OVERHANG) * unit
     left = 0.5 * ((len(samples) - 1) * SPACING * unit - width)  # the poses stand in the middle
-    top = 1.08 * float(VIEW.project(_highest_point(motion))[1])
+    top = 1.08 * max(_top(motion, sample) for sample in samples)
     strip_height = WIDTH * (top + CAPTION * unit) / width
     figure = new_figure(WIDTH, strip_height + ground_height + 0.35)
     strip, ground = figure.subplots(2, 1, height_ratios=[strip_height, ground_height])
@@ -59,20 +62,31 @@ def write_picture(motion: Motion, path: Path, *, force: bool = False) -> Path:
     return save_figures(figures, path.parent, force=force, few_colours=True)[0]
 
 
-def _highest_point(motion: Motion) -> Array:
-    """Top of the robot (3,) at rest [m]."""
-    corners = box_corners(motion.robot, motion.q[0]).reshape(-1, 3)
-    return np.asarray(corners[np.argmax(corners @ VIEW.up)])
+def _top(motion: Motion, sample: int) -> float:
+    """Height of the robot in the strip, above the place where it stands [m]."""
+    corners = box_corners(motion.robot, motion.q[sample]).reshape(-1, 3)
+    centre = motion.soles[sample, :, :3].mean(axis=0) * [1.0, 1.0, 0.0]
+    return float((corners @ VIEW.up).max() - centre @ VIEW.up)
 
 
 def pose_samples(motion: Motion, n_poses: int) -> list[int]:
-    """First and last sample and, between them, the middles of the first single supports."""
+    """First and last sample and, between them, the middles of the first single supports.
+
+    Of a motion with fewer steps than poses: instants spread evenly over the time in which it moves.
+    """
+    n_between = max(n_poses - 2, 0)
     middles = [
         (start + end) // 2
         for start, end in support_spans(motion)
         if motion.support[start] != Support.DOUBLE
     ]
-    return [0, *middles[: max(n_poses - 2, 0)], motion.n_samples - 1]
+    if len(middles) < MIN_STEPS:
+        speed = np.abs(np.diff(motion.q, axis=0)).max(axis=1)
+        moving = np.flatnonzero(speed > MOVING * speed.max(initial=0.0))
+        if len(moving):
+            spread = np.linspace(moving[0], moving[-1], n_between + 2)[1:-1]
+            middles = [round(k) for k in spread]
+    return [0, *middles[:n_between], motion.n_samples - 1]
 
 
 def _draw_strip(axes: Axes, motion: Motion, samples: list[int], spacing: float) -> None:
@@ -82,6 +96,8 @@ def _draw_strip(axes: Axes, motion: Motion, samples: list[int], spacing: float) 
         centre = motion.soles[sample, :, :3].mean(axis=0) * [1.0, 1.0, 0.0]
         x, y = VIEW.project(centre)
         offset = np.array([i * spacing - x, -y])
+        radius, time = NEARBY * float(motion.com[0, 2]), sample * motion.dt
+        draw_scene(axes, motion.scene, VIEW, centre, radius, offset, time)
         _draw_points(axes, motion, sample, offset)
         draw_robot(axes, motion.robot, motion.q[sample], VIEW, offset=(offset[0], offset[1]))
         _caption(axes, motion, sample, i * spacing)
@@ -89,8 +105,10 @@ def _draw_strip(axes: Axes, motion: Motion, samples: list[int], spacing: float) 
 
 def _draw_points(axes: Axes, motion: Motion, sample: int, offset: Array) -> None:
     """ZMP, and CoM joined to the ground, in front of the robot."""
-    com, zmp = motion.com[sample], np.append(motion.zmp[sample], 0.0)
-    ends = VIEW.project([com, com * [1.0, 1.0, 0.0]]) + offset
+    sides = list(Support(motion.support[sample]).sides)
+    ground = float(motion.soles[sample, sides, 2].mean())
+    com, zmp = motion.com[sample], np.append(motion.zmp[sample], ground)
+    ends = VIEW.project([com, [*com[:2], ground]]) + offset
     axes.plot(*ends.T, color=PURPLE, linewidth=1.0, linestyle=":", zorder=4.0)
     for point, colour in ((com, PURPLE), (zmp, GREEN)):
         axes.plot(

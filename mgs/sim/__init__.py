@@ -5,6 +5,7 @@ from mgs.sim.engine import available_engines
 from mgs.sim.playback import Progress
 from mgs.sim.replay import Replay, Trace, replay
 from mgs.sim.settings import DEFAULTS, ENGINES, SERVOS, EngineName, ServoName, Settings
+from mgs.sim.strike import Strike
 
 __all__ = [
     "DEFAULTS",
@@ -16,6 +17,7 @@ __all__ = [
     "Replay",
     "ServoName",
     "Settings",
+    "Strike",
     "Trace",
     "agreement",
     "available_engines",

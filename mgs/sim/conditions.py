@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from mgs.motion import Motion
 from mgs.robot import Robot
+from mgs.scene import Box
 
 Array = NDArray[np.float64]
 BUMP_SIZE = 0.02  # [m] edge of a bump, a flat square
@@ -113,7 +114,10 @@ def draw(motion: Motion, ranges: Ranges, seed: int, number: int) -> Conditions:
 
 
 def _draw_bumps(motion: Motion, rng: np.random.Generator, most: float) -> Array:
-    """One bump (k, 3) somewhere under every footstep but those that the robot starts on."""
+    """One bump (k, 3) somewhere under every footstep but those that the robot starts on.
+
+    Its height is above the ground; on a box there is none.
+    """
     bumps = []
     for step in motion.footsteps[2:]:
         sole = motion.robot.sole_spec(step.side)
@@ -123,6 +127,12 @@ def _draw_bumps(motion: Motion, rng: np.random.Generator, most: float) -> Array:
         x, y = step.x + c * along - s * across, step.y + s * along + c * across
         bumps.append([x, y, rng.uniform(0.0, most)])
     return np.array(bumps).reshape(-1, 3)
+
+
+def bumps(conditions: Conditions | None) -> list[Box]:
+    """The bumps as boxes."""
+    heights = [] if conditions is None else conditions.bumps.tolist()
+    return [Box(x, y, 0.0, BUMP_SIZE, BUMP_SIZE, height) for x, y, height in heights]
 
 
 def disturbed(robot: Robot, conditions: Conditions) -> Robot:

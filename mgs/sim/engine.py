@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mgs.errors import SimulationError
 from mgs.robot import Robot
+from mgs.scene import EMPTY, Scene
 from mgs.sim.audit import EngineModel, audit
 from mgs.sim.conditions import Conditions
 from mgs.sim.servo import JointState
@@ -22,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 class Engine(Protocol):
-    """One robot on level ground at z = 0.
+    """One robot on level ground at z = 0, and what else is on it.
 
     Its joints are driven either by the engine's own ideal position servos or, for servos modelled
     outside, pushed by torques; which of the two is settled when the engine is made. q is
@@ -62,6 +63,9 @@ class Engine(Protocol):
         times y [N m]: divided by the vertical force they are the centre of pressure.
         """
 
+    def balls(self) -> Array:
+        """Positions and velocities (b, 6) of the balls of the scene."""
+
     def inspect(self) -> EngineModel:
         """The robot as the engine understands it, at the current q."""
 
@@ -80,8 +84,9 @@ def make_engine(
     settings: Settings,
     servo: ServoName = "ideal",
     conditions: Conditions | None = None,
+    scene: Scene = EMPTY,
 ) -> Engine:
-    """Engine with the robot loaded, its model proven equal to Pinocchio's.
+    """Engine with robot and scene loaded, the robot's model proven equal to Pinocchio's.
 
     Of `conditions` floor and servo gains are the engine's part; the robot is given as disturbed.
 
@@ -89,7 +94,7 @@ def make_engine(
         SimulationError: the engine is unknown or not installed, or the models differ.
     """
     require(name)
-    engine = _load(name, robot, settings, servo, conditions)
+    engine = _load(name, robot, settings, servo, conditions, scene)
     try:
         audit(engine, robot, name)
     except SimulationError:
@@ -114,11 +119,12 @@ def _load(
     settings: Settings,
     servo: ServoName,
     conditions: Conditions | None,
+    scene: Scene,
 ) -> Engine:
     if name == "pybullet":
         from mgs.sim.pybullet import PybulletEngine
 
-        return PybulletEngine(robot, settings, servo, conditions)
+        return PybulletEngine(robot, settings, servo, conditions, scene)
     from mgs.sim.mujoco import MujocoEngine
 
-    return MujocoEngine(robot, settings, servo, conditions)
+    return MujocoEngine(robot, settings, servo, conditions, scene)

@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mgs.geometry import quat_xyzw_from_yaw
 from mgs.robot import FLOATING_BASE_NQ, Robot
+from mgs.scene import BALL_FRICTION, EMPTY, Scene
 from mgs.sim.audit import EngineModel
-from mgs.sim.conditions import BUMP_SIZE, Conditions, gravity_on_slope
+from mgs.sim.conditions import Conditions, bumps, gravity_on_slope
 from mgs.sim.model import link_name, simulation_urdf
 from mgs.sim.servo import JointState
 from mgs.sim.settings import ServoName, Settings
@@ -24,7 +26,7 @@ GRAVITY = 9.81  # [m/s^2]
 
 
 class MujocoEngine:
-    """One robot on a plane."""
+    """One robot on a plane, with boxes and balls."""
 
     def __init__(
         self,
@@ -32,13 +34,14 @@ class MujocoEngine:
         settings: Settings,
         servo: ServoName = "ideal",
         conditions: Conditions | None = None,
+        scene: Scene = EMPTY,
     ) -> None:
         """Compile the model."""
         import mujoco
 
         self._mj: Any = mujoco
         self._robot, self._settings, self._servo = robot, settings, servo
-        self._conditions = conditions
+        self._conditions, self._scene = conditions, scene
         self._former_handler = mujoco.get_mju_user_warning()
         # MuJoCo would write MUJOCO_LOG.TXT where the user stands; `read` looks at its counters
         mujoco.set_mju_user_warning(lambda _: None)
@@ -52,6 +55,8 @@ class MujocoEngine:
         feet = [robot.model.frames[frame].parentJoint for frame in robot.sole_frames]
         side_of_body = {self._bodies[joint - 1]: side for side, joint in enumerate(feet)}
         self._side_of_geom = [side_of_body.get(body, -1) for body in self._model.geom_bodyid]
+        self._is_ground = (self._model.geom_bodyid == 0).tolist()  # the floor and its boxes
+        self._balls = [self._model.joint(f"ball_{i}") for i in range(len(scene.balls))]
 
     @property
     def version(self) -> str:
@@ -122,7 +127,7 @@ class MujocoEngine:
         for i, pair in enumerate(data.contact.geom[: data.ncon].tolist()):
             first, second = (self._side_of_geom[geom] for geom in pair)
             side = max(first, second)
-            if side < 0:
+            if side < 0 or not any(self._is_ground[geom] for geom in pair):
                 continue
             self._mj.mj_contactForce(self._model, data, i, force)
             on_second = force[:3] @ data.contact.frame[i].reshape(3, 3)
@@ -130,18 +135,26 @@ class MujocoEngine:
             found[side] += [*f, *(f[2] * data.contact.pos[i, :2])]
         return found
 
+    def balls(self) -> Array:
+        """Positions and velocities (b, 6) of the balls."""
+        data = self._data
+        states = [
+            [*data.qpos[(at := b.qposadr[0]) : at + 3], *data.qvel[(v := b.dofadr[0]) : v + 3]]
+            for b in self._balls
+        ]
+        return np.array(states).reshape(-1, 6)
+
     def inspect(self) -> EngineModel:
         """The robot as MuJoCo understands it."""
         model, data, mj = self._model, self._data, self._mj
         mj.mj_forward(model, data)
-        hinges = [model.joint(j) for j in range(model.njnt)]
-        hinges = [hinge for hinge in hinges if hinge.type[0] != mj.mjtJoint.mjJNT_FREE]
+        hinges = [model.joint(name) for name in self._robot.joint_names]
         stall = {model.actuator(i).name: model.actuator_forcerange[i, 1] for i in range(model.nu)}
         quats = data.xquat[self._bodies][:, XYZW_FROM_WXYZ]
         return EngineModel(
             joints={h.name: (*h.range, stall[h.name]) for h in hinges},
-            mass=float(model.body_mass.sum()),
-            com=data.subtree_com[0].copy(),
+            mass=float(model.body_subtreemass[self._bodies[0]]),
+            com=data.subtree_com[self._bodies[0]].copy(),
             inertia=self._inertia(),
             links=np.concatenate([data.xpos[self._bodies], quats], axis=1),
         )
@@ -183,14 +196,28 @@ class MujocoEngine:
             friction=[settings.friction, 0.0, 0.0],  # a pair has the larger one
             solref=[max(CONTACT_TIME, 2.0 * settings.dt), 1.0],  # a pair has the mean
         )
-        for x, y, height in [] if self._conditions is None else self._conditions.bumps:
+        for box in (*self._scene.boxes, *bumps(self._conditions)):
             spec.worldbody.add_geom(
                 type=mj.mjtGeom.mjGEOM_BOX,
-                pos=[x, y, 0.5 * height],
-                size=[0.5 * BUMP_SIZE, 0.5 * BUMP_SIZE, 0.5 * height],
+                pos=[box.x, box.y, 0.5 * box.height],
+                quat=quat_xyzw_from_yaw(box.yaw)[WXYZ_FROM_XYZW],
+                size=[0.5 * box.length, 0.5 * box.width, 0.5 * box.height],
                 contype=0,
                 conaffinity=1,
                 friction=[settings.friction, 0.0, 0.0],
+                solref=[max(CONTACT_TIME, 2.0 * settings.dt), 1.0],
+            )
+        for i, ball in enumerate(self._scene.balls):  # after the robot, whose addresses stay
+            body = spec.worldbody.add_body(name=f"ball_{i}", pos=[ball.x, ball.y, ball.radius])
+            body.add_freejoint(name=f"ball_{i}")
+            body.add_geom(
+                type=mj.mjtGeom.mjGEOM_SPHERE,
+                size=[ball.radius, 0.0, 0.0],
+                mass=ball.mass,
+                contype=1,  # meets the ground, as the robot does, and the robot
+                conaffinity=1,
+                priority=1,  # its friction counts in all its pairs
+                friction=[BALL_FRICTION, 0.0, 0.0],
                 solref=[max(CONTACT_TIME, 2.0 * settings.dt), 1.0],
             )
         for i in range(self._robot.n):

@@ -43,6 +43,7 @@ class Recording:
     q: Array  # (M, 7 + n) as in `Robot`
     torque: Array  # (M, n) mean over the sampling period before [N m]
     contacts: Array  # (M, 2, 5) of the soles in the last step, as `Engine.contacts` has them
+    balls: Array  # (M, b, 6) positions and velocities of balls
     effort: Effort
 
 
@@ -77,11 +78,13 @@ def play(
         drive = _disturbed(drive, conditions, settings.dt)
     effort, targets = Effort(robot.torque_limit, settings.dt), Targets(motion, n_steps, commands)
     on_soles = motion.gait.is_balanced
-    engine.place(on_ground(robot, motion.q[0]) if on_soles else motion.q[0])
+    floor = min(f.z for f in motion.footsteps[:2])
+    engine.place(on_ground(robot, motion.q[0], floor) if on_soles else motion.q[0])
     torque = np.zeros((n_steps, robot.n))
     for _ in range(round(settings.settle / motion.dt)):
         torque, _ = drive(*targets.begin)
     q, torques, contacts = [_read(engine, 0.0)], [torque.mean(axis=0)], [engine.contacts()]
+    balls = [engine.balls()]
     end, data, (_, up_plan) = len(plan), robot.model.createData(), poses_along(robot, motion.q)
     payload = motion.payload
     for k in range(1, len(plan)):
@@ -92,6 +95,7 @@ def play(
         q.append(_read(engine, k * motion.dt))
         torques.append(torque.mean(axis=0))
         contacts.append(engine.contacts())
+        balls.append(engine.balls())
         _, up = poses_along(robot, q[k][None], data)
         if (
             on_soles
@@ -103,7 +107,14 @@ def play(
             progress(k, len(plan) - 1)
         if k + 1 >= end:
             break
-    return Recording(plan[: len(q)], np.array(q), np.array(torques), np.array(contacts), effort)
+    return Recording(
+        plan[: len(q)],
+        np.array(q),
+        np.array(torques),
+        np.array(contacts),
+        np.array(balls),
+        effort,
+    )
 
 
 Drive = Callable[[Array, Array], tuple[Array, NDArray[np.bool_] | None]]
@@ -139,8 +150,8 @@ def _read(engine: Engine, t: float) -> Array:
     return q
 
 
-def on_ground(robot: Robot, q: Array) -> Array:
-    """Configuration (7 + n,) like q, its lowest sole corner at z = 0."""
+def on_ground(robot: Robot, q: Array, height: float = 0.0) -> Array:
+    """Configuration (7 + n,) like q, its lowest sole corner at a height [m]."""
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, q)
     lowest = np.inf
@@ -150,7 +161,7 @@ def on_ground(robot: Robot, q: Array) -> Array:
         heights = pose.translation[2] + corners @ pose.rotation[2, :2]
         lowest = min(lowest, float(heights.min()))
     out = q.copy()
-    out[2] -= lowest
+    out[2] += height - lowest
     return out
 
 

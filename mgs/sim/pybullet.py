@@ -14,9 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mgs.geometry import quat_xyzw_from_yaw
 from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
+from mgs.scene import BALL_FRICTION, EMPTY, Scene
 from mgs.sim.audit import EngineModel
-from mgs.sim.conditions import BUMP_SIZE, Conditions, gravity_on_slope
+from mgs.sim.conditions import Conditions, bumps, gravity_on_slope
 from mgs.sim.model import simulation_urdf
 from mgs.sim.servo import JointState
 from mgs.sim.settings import ServoName, Settings
@@ -39,6 +41,7 @@ class PybulletEngine:
         settings: Settings,
         servo: ServoName = "ideal",
         conditions: Conditions | None = None,
+        scene: Scene = EMPTY,
     ) -> None:
         """Connect and load; `servo` makes no difference here, motors do as each step says."""
         import pybullet
@@ -46,7 +49,7 @@ class PybulletEngine:
         self._p: Any = pybullet
         del servo
         self._robot, self._settings = robot, settings
-        self._conditions = conditions
+        self._conditions, self._scene = conditions, scene
         gain = 1.0 if conditions is None else conditions.gain
         self._stiffness = settings.stiffness * robot.torque_limit * gain  # (n,) [N m/rad]
         self._yield, self._torque = np.zeros(robot.n), np.zeros(robot.n)  # [rad], [N m]
@@ -56,11 +59,12 @@ class PybulletEngine:
         self._payload = np.zeros(2)
         self._hands = [robot.model.frames[frame] for frame in robot.hand_frames]
         self._configure()
-        self._add_ground()
+        self._grounds = self._add_ground()
         self._body = self._load_robot()
         self._joints = self._joint_indices()
         feet = [robot.model.frames[frame].parentJoint for frame in robot.sole_frames]
         self._side_of_link = {self._joints[joint - 2]: side for side, joint in enumerate(feet)}
+        self._balls = self._add_balls()
         self._quiet_links()
 
     @property
@@ -176,12 +180,24 @@ class PybulletEngine:
         found = np.zeros((2, 5))
         for point in self._p.getContactPoints(bodyA=self._body, physicsClientId=self._client):
             side = self._side_of_link.get(point[3], -1)
-            if side < 0:
+            if side < 0 or point[2] not in self._grounds:
                 continue
             (x, y, _), parts = point[5], zip((7, 11, 13), (9, 10, 12), strict=True)
             f = sum(point[size] * np.array(point[axis]) for axis, size in parts)
             found[side] += [*f, f[2] * x, f[2] * y]
         return found
+
+    def balls(self) -> Array:
+        """Positions and velocities (b, 6) of the balls."""
+        p, client = self._p, self._client
+        states = [
+            [
+                *p.getBasePositionAndOrientation(ball, client)[0],
+                *p.getBaseVelocity(ball, client)[0],
+            ]
+            for ball in self._balls
+        ]
+        return np.array(states).reshape(-1, 6)
 
     def inspect(self) -> EngineModel:
         """The robot as PyBullet understands it."""
@@ -230,19 +246,50 @@ class PybulletEngine:
             physicsClientId=client,
         )
 
-    def _add_ground(self) -> None:
+    def _add_ground(self) -> list[int]:
         p, client = self._p, self._client
         shape = p.createCollisionShape(p.GEOM_PLANE, physicsClientId=client)
         grounds = [p.createMultiBody(0.0, shape, physicsClientId=client)]
-        for x, y, height in [] if self._conditions is None else self._conditions.bumps.tolist():
-            size = [0.5 * BUMP_SIZE, 0.5 * BUMP_SIZE, 0.5 * height]
-            box = p.createCollisionShape(p.GEOM_BOX, halfExtents=size, physicsClientId=client)
-            at = [x, y, 0.5 * height]
-            grounds.append(p.createMultiBody(0.0, box, basePosition=at, physicsClientId=client))
+        for box in (*self._scene.boxes, *bumps(self._conditions)):
+            size = [0.5 * box.length, 0.5 * box.width, 0.5 * box.height]
+            shape = p.createCollisionShape(p.GEOM_BOX, halfExtents=size, physicsClientId=client)
+            grounds.append(
+                p.createMultiBody(
+                    0.0,
+                    shape,
+                    basePosition=[box.x, box.y, 0.5 * box.height],
+                    baseOrientation=quat_xyzw_from_yaw(box.yaw).tolist(),
+                    physicsClientId=client,
+                )
+            )
         for ground in grounds:  # the friction of a pair is the product: all is in the robot's links
             p.changeDynamics(
                 ground, BASE, lateralFriction=1.0, restitution=0.0, physicsClientId=client
             )
+        return grounds
+
+    def _add_balls(self) -> list[int]:
+        p, client = self._p, self._client
+        balls = []
+        for ball in self._scene.balls:
+            shape = p.createCollisionShape(
+                p.GEOM_SPHERE, radius=ball.radius, physicsClientId=client
+            )
+            at = [ball.x, ball.y, ball.radius]
+            body = p.createMultiBody(ball.mass, shape, basePosition=at, physicsClientId=client)
+            p.changeDynamics(
+                body,
+                BASE,
+                lateralFriction=BALL_FRICTION / self._settings.friction,  # a pair's is the product
+                spinningFriction=0.0,
+                rollingFriction=0.0,
+                restitution=0.0,
+                linearDamping=0.0,
+                angularDamping=0.0,
+                physicsClientId=client,
+            )
+            balls.append(body)
+        return balls
 
     def _load_robot(self) -> int:
         p = self._p

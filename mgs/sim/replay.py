@@ -30,6 +30,7 @@ from mgs.sim.engine import make_engine, require
 from mgs.sim.measure import angle_between, largest_slip, travel
 from mgs.sim.playback import Progress, Recording, fallen, play, poses_along
 from mgs.sim.settings import DEFAULTS, SERVOS, EngineName, ServoName, Settings
+from mgs.sim.strike import Strike, measure_strike
 
 Array = NDArray[np.float64]
 GRAVITY = 9.81  # [m/s^2]
@@ -51,6 +52,7 @@ class Trace:
     torque: Array  # (M, n) of the servos, mean over the sampling period before
     soles: Array  # (M, 2, 7) x, y, z, quaternion xyzw
     contacts: Array  # (M, 2, 5) of the soles: force x, y, z [N], first moments x, y [N m]
+    balls: Array  # (M, b, 6) positions and velocities of the balls of the scene
     tilt: Array  # (M,) of the torso against the plan [rad]
 
 
@@ -88,6 +90,7 @@ class Replay:
     sole_slip_max: float  # [m]
     sole_slip_side: str | None
     sole_slip_time: float | None  # [s]
+    strikes: tuple[Strike, ...]  # of the balls of the scene
     wall_seconds: float
     trace: Trace
 
@@ -96,6 +99,7 @@ class Replay:
         fields = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
         del fields["trace"]
         fields["settings"] = dataclasses.asdict(self.settings)
+        fields["strikes"] = [dataclasses.asdict(strike) for strike in self.strikes]
         return {key: list(v) if isinstance(v, tuple) else v for key, v in fields.items()}
 
 
@@ -139,7 +143,7 @@ def replay(
         servos = dataclasses.replace(servos, stiffness=conditions.gain * servos.stiffness)
     feed_forward = servo == "model" if feed_forward is None else feed_forward
     commands = servo_commands(motion) if feed_forward else None
-    simulator = make_engine(engine, robot, settings, servo, conditions)
+    simulator = make_engine(engine, robot, settings, servo, conditions, motion.scene)
     try:
         version = simulator.version
         recording = play(motion, simulator, settings, progress, servos, commands, conditions)
@@ -200,7 +204,20 @@ def _figures(motion: Motion, recording: Recording) -> dict[str, Any]:
         "max_tilt_deg": float(np.degrees(tilt.max())),
         "max_tilt_time": float(t[tilt.argmax()]),
         "min_base_height": float(q[:, 2].min()),
-        "trace": Trace(t, recording.plan, q, recording.torque, soles, recording.contacts, tilt),
+        "trace": Trace(
+            t,
+            recording.plan,
+            q,
+            recording.torque,
+            soles,
+            recording.contacts,
+            recording.balls,
+            tilt,
+        ),
+        "strikes": tuple(
+            measure_strike(ball, recording.balls[:, i], soles, motion.dt)
+            for i, ball in enumerate(motion.scene.balls)
+        ),
         **_travel_figures(motion, soles),
         **_joint_figures(q - q_plan),
         **_effort_figures(motion, recording),

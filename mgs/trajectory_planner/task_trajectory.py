@@ -25,6 +25,7 @@ class TaskTrajectory:
     torso: Array  # (N, 4) quaternion xyzw; a preference only unless `torso_asked`
     torso_asked: bool = False
     com: Array | None = None  # (N, 3) where the CoM itself is asked for; None: by the ZMP
+    start: Array | None = None  # (n,) joint angles begun from [rad]; None: half-sitting posture
     posture: Array | None = None  # (N, n) joint angles to prefer [rad]; None: half-sitting
     held: NDArray[np.bool_] | None = None  # (n,) joints that follow `posture` before all else
     payload: Array | None = None  # (N, 2) in the hands [kg]; None: none

@@ -12,9 +12,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mgs.contact import Footstep, Side, Support
+from mgs.contact import Side, Support
 from mgs.geometry import bump, quat_multiply, quat_xyzw_from_yaw, quintic, rotate_planar
+from mgs.knots import evaluate
 from mgs.motion_planner import MotionPlan, Phase
+from mgs.trajectory_planner.com_height import height_within_reach
 from mgs.trajectory_planner.task_trajectory import TaskTrajectory
 
 Array = NDArray[np.float64]
@@ -27,24 +29,39 @@ def plan_walk_trajectories(plan: MotionPlan) -> TaskTrajectory:
     support, root = np.empty(n, np.int8), np.empty(n, np.int8)
     planar, height = np.empty((n, 2, 3)), np.zeros((n, 2))
     zmp, load_left = np.empty((n, 2)), np.empty(n)
-    spots = [_zmp_spot(footstep, plan.zmp_offset) for footstep in plan.footsteps]
     poses = [np.array([f.x, f.y, f.yaw]) for f in plan.footsteps]
+    heights = np.array([f.z for f in plan.footsteps])
     load = 0.5  # at rest both soles carry the same
-    for phase, following, side in zip(
-        plan.phases, [*plan.phases[1:], None], _roots(plan.phases), strict=True
+    for phase, before, following, side in zip(
+        plan.phases,
+        [None, *plan.phases[:-1]],
+        [*plan.phases[1:], None],
+        _roots(plan.phases),
+        strict=True,
     ):
         span = slice(phase.start, phase.end)
         blend = quintic(np.arange(phase.end - phase.start) / (phase.end - phase.start))
         support[span] = phase.support
         root[span] = side
         planar[span] = np.stack([poses[foot] for foot in phase.feet])
+        height[span] = heights[list(phase.feet)]
         if phase.target is not None:
             _swing(plan, phase, poses, planar, height)
         target = _load_at_end(plan, phase, following, load)
         load_left[span] = load + (target - load) * blend
-        left, right = (spots[foot] for foot in phase.feet)
+        left, right = (_zmp_way(plan, side, phase, before, following, blend) for side in Side)
         zmp[span] = right + load_left[span, None] * (left - right)
         load = target
+    com_height = plan.com_height + _level(plan, heights)
+    if plan.reach is not None:
+        com_height = height_within_reach(
+            com_height,
+            zmp,
+            np.concatenate([planar, height[..., None]], axis=-1),
+            planar[..., 2].mean(axis=1),
+            plan.reach,
+            plan.dt,
+        )
     return TaskTrajectory(
         dt=plan.dt,
         support=support,
@@ -53,16 +70,69 @@ def plan_walk_trajectories(plan: MotionPlan) -> TaskTrajectory:
         load_left=load_left,
         soles=_sole_poses(planar, height),
         hands=_hands(plan, planar),
-        com_height=np.full(n, plan.com_height),
+        com_height=com_height,
         torso=_torso(plan, planar),
     )
 
 
-def _zmp_spot(footstep: Footstep, offset: tuple[float, float]) -> Array:
-    """Where the ZMP rests in a sole; the offset is forward and inward of its centre."""
-    forward, inward = offset
-    local = [forward, -footstep.side.sign * inward]
-    return np.array([footstep.x, footstep.y]) + rotate_planar(local, footstep.yaw)
+def _zmp_way(
+    plan: MotionPlan,
+    side: Side,
+    phase: Phase,
+    before: Phase | None,
+    following: Phase | None,
+    blend: Array,
+) -> Array:
+    """Where the ZMP would be if one sole carried everything (2,) or, with travel, (k, 2).
+
+    It travels from heel to toe in single support. In double support a sole that has carried keeps
+    it at its toe, one that is about to carry at its heel, and one that rests in the middle.
+    """
+    footstep, (forward, inward) = plan.footsteps[phase.feet[side]], plan.zmp_offset
+    place = np.array([forward, -side.sign * inward])
+    if plan.zmp_travel:
+        begin, end = _travelled(side, phase, before, following)
+        along = np.zeros((len(blend), 2))
+        along[:, 0] = begin + (end - begin) * blend
+        place = place + plan.zmp_travel * along
+    return np.array([footstep.x, footstep.y]) + rotate_planar(place, footstep.yaw)
+
+
+def _travelled(
+    side: Side, phase: Phase, before: Phase | None, following: Phase | None
+) -> tuple[float, float]:
+    """Where the ZMP of a sole begins and ends a phase: -1/2 at the heel, 1/2 at the toe.
+
+    Without a share of the load it may be anywhere: a sole that has none keeps to the other end.
+    """
+    heel, toe, single = -0.5, 0.5, Support.single(side)
+    if phase.support is not Support.DOUBLE:
+        return (heel, toe) if phase.support is single else (0.0, 0.0)
+    begin: float | None = 0.0
+    if before is not None and before.support is not Support.DOUBLE:
+        begin = toe if before.support is single else None
+    end: float | None = 0.0
+    if following is not None and following.support is not Support.DOUBLE:
+        end = heel if following.support is single else None
+    begin = begin if begin is not None else end or 0.0
+    return begin, begin if end is None else end
+
+
+def _level(plan: MotionPlan, heights: Array) -> Array:
+    """Height (N,) of the ground below the CoM: from one mean of the soles to the next."""
+    level, now = np.empty(plan.n_samples), float(heights[:2].mean())
+    start = 0
+    for phase in plan.phases:
+        if phase.target is None:
+            continue
+        begin = phase.start if start == 0 else start  # lifts off from rest at the first step
+        following = float(heights[[phase.target, phase.feet[phase.support - 1]]].mean())
+        level[start:begin] = now
+        span = np.arange(phase.end - begin) / (phase.end - begin)
+        level[begin : phase.end] = now + (following - now) * quintic(span)
+        start, now = phase.end, following
+    level[start:] = now
+    return level
 
 
 def _roots(phases: tuple[Phase, ...]) -> list[Side]:
@@ -98,6 +168,11 @@ def _swing(
     assert phase.target is not None
     swing = plan.footsteps[phase.target].side
     s = np.arange(phase.end - phase.start) / (phase.end - phase.start)
+    if phase.path is not None:
+        times = plan.dt * np.arange(phase.end - phase.start)
+        planar[phase.start : phase.end, swing] = evaluate(phase.path.planar, times)
+        height[phase.start : phase.end, swing] = evaluate(phase.path.height, times)[:, 0]
+        return
     start, target = poses[phase.feet[swing]], poses[phase.target]
     over = quintic(s / (1.0 - plan.landing))
     planar[phase.start : phase.end, swing] = start + over[:, None] * (target - start)
@@ -121,12 +196,19 @@ def _sole_poses(planar: Array, height: Array) -> Array:
 
 
 def _hands(plan: MotionPlan, planar: Array) -> Array:
-    """Hands at constant offsets from the CoM, turned with the mean yaw of the soles."""
+    """Hands at constant offsets from the CoM, turned with the mean yaw of the soles.
+
+    With arm swing each moves ahead and back as the opposite foot does.
+    """
     heading = planar[..., 2].mean(axis=1)
     hands = np.empty((plan.n_samples, 2, 3))
     hands[..., 2] = plan.hand_offsets[:, 2]
+    apart = planar[:, Side.LEFT, :2] - planar[:, Side.RIGHT, :2]
+    ahead = rotate_planar(apart, -heading)[:, 0]  # of the left foot
     for side in Side:
-        hands[:, side, :2] = rotate_planar(plan.hand_offsets[side, :2], heading)
+        offset = np.repeat(plan.hand_offsets[side, None, :2], plan.n_samples, axis=0)
+        offset[:, 0] -= 0.5 * side.sign * plan.arm_swing * ahead
+        hands[:, side, :2] = rotate_planar(offset, heading)
     return hands
 
 

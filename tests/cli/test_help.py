@@ -31,7 +31,7 @@ ALL = list(commands(main))
 
 
 def test_the_commands_of_the_design_are_there():
-    expected = {"generate", "info", "plot", "validate", "replay", "experiment", "schema"}
+    expected = {"generate", "info", "plot", "validate", "replay", "experiment", "export", "schema"}
     assert {path[0] for path in ALL if len(path) == 1} >= expected
     assert {path[1] for path in ALL if path[:1] == ("robot",) and path[1:]} >= {
         "list",

@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from mgs.config import Model
-from mgs.gait import BalanceGait, WalkGait, shipped_folder
+from mgs.gait import GAITS, BalanceGait, SequenceGait, WalkGait, shipped_folder
 from mgs.robot import RobotSpec
 from tests.cli.malformed import LEAVES, NUMBERS, VALID
 from tests.cli.run import run
@@ -47,7 +47,8 @@ def test_every_shipped_file_meets_its_schema_and_no_other_key_does(kind: str, pa
     tree = yaml.safe_load(path.read_text())
     assert problems(kind, tree) == []
     assert len(problems(kind, tree | {"colour": "red"})) == 1
-    for key in ("walk", "balance", "keyframes", "pick_up", "torso"):  # a block of each kind
+    # a block of each kind
+    for key in ("walk", "balance", "keyframes", "pick_up", "sequence", "torso"):
         if key in tree:
             assert len(problems(kind, tree | {key: tree[key] | {"colour": "red"}})) == 1
 
@@ -80,14 +81,14 @@ def test_every_key_is_described():
     keys = {key for d in definitions.values() for key in d["properties"]}
     assert keys >= {path[-1] for path in LEAVES}
     undescribed = {key for d in definitions.values() for key in set(d["properties"]) - described(d)}
-    blocks = {"walk", "com", "balance", "keyframes", "pick_up"}
     # a key is told apart by its name alone: a keyframe's com is a key, a walk's com a block
-    assert undescribed == {*blocks, "ik", "faraji", "prioritized", "trajectory"}
+    blocks = {*GAITS, "com", "ik", "faraji", "prioritized", "trajectory"}
+    assert undescribed == blocks
     for name, definition in definitions.items():  # these are blocks, and a block tells of itself
         assert definition.get("description"), name
 
 
-@pytest.mark.parametrize("model", [WalkGait, BalanceGait, RobotSpec])
+@pytest.mark.parametrize("model", [WalkGait, BalanceGait, SequenceGait, RobotSpec])
 def test_required_keys_are_those_without_a_default(model: type[Model]):
     required = {name for name, field in model.model_fields.items() if field.is_required()}
     found = schema("robot") if model is RobotSpec else schema("gait")["$defs"][model.__name__]

@@ -23,6 +23,18 @@ def test_a_shipped_gait_passes_every_static_check_unless_it_says_otherwise(shipp
     assert failed == STUDIES.get(shipped.stages.motion.gait_name, [])
 
 
+def test_a_shipped_sequence_passes_every_static_check(shipped_sequence):
+    assert [check.name for check in check_motion(shipped_sequence) if not check.ok] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("servo", ["ideal", "model"])
+def test_a_shipped_sequence_passes_with_either_kind_of_servo(shipped_sequence, engine_name, servo):
+    result = replay(shipped_sequence, engine_name, servo=servo)
+    assert [check.name for check in replay_checks(result) if not check.ok] == []
+    assert result.max_tilt_deg < 3.0
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("change", ["default", "half the step", "twice the iterations"])
 def test_a_shipped_gait_passes_at_other_solver_settings_too(shipped, engine_name, change):

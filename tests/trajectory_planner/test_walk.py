@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.spatial import ConvexHull
 
@@ -161,9 +162,10 @@ def test_the_zmp_reference_stays_inside_the_support_polygon(gait: Gait):
 
 def test_at_every_sample_of_shipped_walks_the_zmp_reference_is_inside(shipped_walk):
     tasks = shipped_walk.stages.tasks
+    least = min(0.02, 0.5 * LENGTH - 0.5 * shipped_walk.gait.walk.zmp_travel - 1e-3)
     for k in range(tasks.n_samples):
         sides = list(Support(int(tasks.support[k])).sides)
-        assert margin(tasks.zmp_ref[k], tasks.soles[k, sides]) > 0.02  # [m], soles are 60 mm wide
+        assert margin(tasks.zmp_ref[k], tasks.soles[k, sides]) > least  # [m], soles are 60 mm wide
 
 
 @given(walks())
@@ -284,3 +286,43 @@ def test_a_mirrored_gait_has_mirrored_trajectories(gait: Gait):
     swapped = np.array([Support.DOUBLE, Support.RIGHT, Support.LEFT])
     assert np.array_equal(there.support, swapped[here.support])
     assert np.array_equal(there.root, 1 - here.root)
+
+
+# --- heel to toe, arms ------------------------------------------------------------------------
+
+
+@given(walks(), st.floats(0.0, 0.08))
+def test_the_zmp_travels_from_heel_to_toe_without_a_jump(gait: Gait, travel: float):
+    walk = gait.walk.model_dump() | {"zmp_travel": travel, "zmp_offset": [0.0, 0.0]}
+    plan, tasks = tasks_of(walk_gait(dt=gait.dt, **walk))
+    for phase in plan.phases:
+        span = tasks.zmp_ref[phase.start : phase.end]
+        if phase.support is Support.DOUBLE:
+            continue
+        footstep = plan.footsteps[phase.feet[phase.support.sides[0]]]
+        local = (span - [footstep.x, footstep.y]) @ np.array([1.0, 1j]) * np.exp(-1j * footstep.yaw)
+        assert_allclose(local.imag, 0.0, atol=1e-12)
+        assert local[0].real == pytest.approx(-0.5 * travel, abs=1e-12)
+        assert local.real.max() <= 0.5 * travel + 1e-12
+        assert np.all(np.diff(local.real) >= -1e-12)
+    fine = walk_gait(dt=gait.dt / 4, **walk)
+    coarse_jump, fine_jump = (
+        np.linalg.norm(np.diff(t.zmp_ref, axis=0), axis=1).max() for t in (tasks, tasks_of(fine)[1])
+    )
+    assert fine_jump < 0.5 * coarse_jump + 1e-9  # a jump would be as large however fine the samples
+
+
+@given(walks(), st.floats(0.0, 1.0))
+def test_each_hand_swings_with_the_opposite_foot(gait: Gait, part: float):
+    walk = gait.walk.model_dump() | {"arm_swing": part}
+    _, still = tasks_of(gait)
+    _, tasks = tasks_of(walk_gait(dt=gait.dt, **walk))
+    heading = yaw(tasks.soles[..., 3:])
+    mean = np.unwrap(heading, axis=0).mean(axis=1)
+    middle = tasks.soles[..., :2].mean(axis=1)
+    for side in Side:
+        swing = (tasks.hands - still.hands)[:, side, :2] @ np.array([1.0, 1j]) * np.exp(-1j * mean)
+        foot = (tasks.soles[:, side.other, :2] - middle) @ np.array([1.0, 1j]) * np.exp(-1j * mean)
+        assert_allclose(np.abs(swing.real), np.abs(part * foot.real), atol=1e-9)
+        assert_allclose(swing.imag, 0.0, atol=1e-9)
+    assert_allclose(tasks.hands[..., 2], still.hands[..., 2])

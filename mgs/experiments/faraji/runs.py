@@ -191,7 +191,7 @@ def _rescaled(gait: BalanceGait, factor: float) -> BalanceGait:
 
 def region_excess(study: Study, run: Run) -> float:
     """How far a run leaves limits or safety region, worst joint and sample; 0 or less: never."""
-    gait = run.stages.motion.gait
+    gait = run.stages.gait
     tuning = gait.ik.faraji
     robot, joints = study.robot, run.joints
     assert tuning.speed_max is not None

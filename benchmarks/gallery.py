@@ -1,0 +1,149 @@
+"""Every shipped gait before the judge, with a picture: docs/gallery.md and docs/gallery/.
+
+python benchmarks/gallery.py                 all gaits: `make gallery`
+python benchmarks/gallery.py melson/kick     some of them, on the terminal and as pictures
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from mgs.checks import check_motion, zmp_margins
+from mgs.files import replace_file
+from mgs.gait import list_gaits, load_gait
+from mgs.motion import Motion
+from mgs.pipeline import generate
+from mgs.report import write_picture
+from mgs.robot import load_robot
+from mgs.servos import is_modelled
+from mgs.sim import SERVOS, available_engines, replay
+from mgs.verdict import replay_checks
+
+DOCS = Path(__file__).parent.parent / "docs"
+HEAD = """# Gallery
+
+Every gait that ships, made and judged by `make gallery`: static checks, then an open-loop replay in
+each engine with ideal and with modelled servos. Speed and torque are the greatest of any joint, as
+parts of what its servo gives at that instant; the ZMP's margin is the least of the whole motion (on
+level ground, where it has one).
+
+"""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One gait: its row of the table."""
+
+    name: str
+    note: str  # the comment that its file begins with
+    row: str
+    picture: str
+
+
+def main() -> None:
+    """Make the page, or print some rows."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("gaits", nargs="*", help="names; default: all that ship")
+    names = parser.parse_args().gaits
+    print(header(), flush=True)
+    entries = []
+    for name in names or list_gaits():
+        if load_gait(name).robot is None:  # for any robot: nothing to show by itself
+            continue
+        entries.append(entry(name))
+        print(entries[-1].row, flush=True)
+    if not names:
+        replace_file(DOCS / "gallery.md", page(entries).encode())
+
+
+def header() -> str:
+    """Head of the table."""
+    engines = " | ".join(f"{engine}, ideal / modelled" for engine in available_engines())
+    columns = (
+        f"gait | robot | duration | way | least ZMP margin | speed | torque | static | {engines}"
+    )
+    return f"| {columns} |\n| --- " + "| --- " * columns.count("|") + "|"
+
+
+def page(entries: list[Entry]) -> str:
+    """The page as Markdown."""
+    rows = "\n".join(entry.row for entry in entries)
+    pictures = "\n\n".join(
+        f"## {entry.name}\n\n{entry.note}\n\n![{entry.name}](gallery/{entry.picture})"
+        for entry in entries
+    )
+    return f"{HEAD}{header()}\n{rows}\n\n{pictures}\n"
+
+
+def entry(name: str) -> Entry:
+    """Make, judge and draw one gait."""
+    gait = load_gait(name)
+    assert gait.robot is not None
+    motion = generate(load_robot(gait.robot), gait, name).motion
+    checks = {check.name: check for check in check_motion(motion)}
+    failed = [check.name for check in checks.values() if not check.ok]
+    speed, torque = (checks[key] for key in ("joint_speed", "joint_torque"))
+    physics = []
+    for engine in available_engines():
+        servos = SERVOS if is_modelled(motion.robot) else SERVOS[:1]
+        fates = []
+        for servo in servos:
+            result = replay(motion, engine, servo=servo)
+            bad = [check.name.removeprefix(f"{engine}_") for check in replay_checks(result)
+                   if not check.ok]  # fmt: skip
+            fates.append("pass" if not bad else f"FAIL: {', '.join(bad)}")
+        physics.append(" / ".join(fates))
+    picture = f"{name.replace('/', '-')}.png"
+    write_picture(motion, DOCS / "gallery" / picture, force=True)
+    cells = [
+        name,
+        motion.robot.spec.name,
+        f"{motion.duration:.1f} s",
+        way(motion),
+        margin(motion),
+        f"{100 * speed.value / speed.limit:.0f} %",
+        f"{100 * torque.value / torque.limit:.0f} %",
+        "pass" if not failed else f"FAIL: {', '.join(failed)}",
+        *physics,
+    ]
+    return Entry(name, note_of(name), f"| {' | '.join(cells)} |", picture)
+
+
+def way(motion: Motion) -> str:
+    """How far the middle between the soles gets, and how far it turns."""
+    middle = motion.soles[:, :, :3].mean(axis=1)
+    x, y, z = middle[-1] - middle[0]
+    turn = np.degrees(motion.footsteps[-1].yaw - motion.footsteps[0].yaw)
+    parts = []
+    if np.hypot(x, y) > 1e-3:
+        parts.append(f"{x:+.2f}, {y:+.2f} m")
+    if abs(turn) > 0.1:
+        parts.append(f"{turn:+.0f} deg")
+    if abs(z) > 1e-3:
+        parts.append(f"{1e3 * z:+.0f} mm up")
+    return ", ".join(parts) or "on the spot"
+
+
+def margin(motion: Motion) -> str:
+    """Least margin of the ZMP where there is a support polygon."""
+    margins = zmp_margins(motion, motion.zmp)
+    return f"{1e3 * margins[np.isfinite(margins)].min():.1f} mm"
+
+
+def note_of(name: str) -> str:
+    """The comment at the top of a gait file."""
+    path = Path(__file__).parent.parent / "gaits" / f"{name}.yaml"
+    lines = []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        if not line.startswith("#"):
+            break
+        lines.append(line.removeprefix("#").strip())
+    return " ".join(lines)
+
+
+if __name__ == "__main__":
+    main()

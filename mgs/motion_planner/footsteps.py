@@ -1,0 +1,110 @@
+"""Where the feet go: a chain of body-centre poses, each sole half a step width beside its own.
+
+The centre advances by (step_length, lateral, step_yaw) a step along the chord of the arc, so that
+equal steps lie on one circle. The trailing foot of a sideways walk only closes up. The last step
+lands beside the other foot.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mgs.contact import Footstep, Side
+from mgs.errors import ConfigError
+from mgs.gait import StepParameters, WalkParameters
+from mgs.geometry import compose_planar
+from mgs.motion_planner.goal import StepLimits, way_to_goal
+
+Array = NDArray[np.float64]
+
+
+def plan_footsteps(
+    walk: WalkParameters, width: float, first_support: Side, limits: StepLimits | None = None
+) -> tuple[Footstep, ...]:
+    """The two initial footsteps (left, right) about the origin, then one per step.
+
+    Only a walk to a goal needs `limits`.
+
+    Raises:
+        ConfigError: the goal is too far away, or footsteps say something else than other keys.
+    """
+    initial = [_beside(np.zeros(3), side, width) for side in Side]
+    if walk.footsteps is not None:
+        _refuse_contradictions(walk, first_support)
+        return (
+            *initial,
+            *(Footstep(Side[f.side.upper()], f.x, f.y, f.yaw) for f in walk.footsteps),
+        )
+    swing = first_support.other
+    if walk.goal is not None:
+        assert limits is not None
+        centres = way_to_goal(walk.goal, swing, limits)
+    else:
+        steps = walk.steps or [StepParameters()] * (walk.most_steps - 1)
+        centres = _chain([_increment(step, walk) for step in steps], swing)
+    if walk.last_support is not None:
+        last_swing = swing if len(centres) % 2 == 0 else swing.other
+        if Side[walk.last_support.upper()] is last_swing:
+            centres = [*centres, *(centres[-1:] or [np.zeros(3)])]
+    centres = [*centres, *(centres[-1:] or [np.zeros(3)])]  # the closing step
+    placed = []
+    for centre in centres:
+        placed.append(_beside(centre, swing, width))
+        swing = swing.other
+    return (*initial, *placed)
+
+
+def first_support_of(walk: WalkParameters) -> Side:
+    """The side asked for, else the one that lets the leading foot begin."""
+    if walk.footsteps is not None and walk.first_support is None:
+        return Side[walk.footsteps[0].side.upper()].other
+    if walk.first_support is not None:
+        return Side[walk.first_support.upper()]
+    sideways, turn = walk.lateral, walk.step_yaw
+    if walk.steps is not None:
+        _, sideways, turn = _increment(walk.steps[0], walk)
+    elif walk.goal is not None:
+        sideways, turn = walk.goal.y, walk.goal.yaw
+    return Side.RIGHT if (sideways or turn) > 0.0 else Side.LEFT
+
+
+def _increment(step: StepParameters, walk: WalkParameters) -> tuple[float, float, float]:
+    """Forward [m], lateral [m] and yaw [rad] of one step."""
+    forward = walk.step_length if step.step_length is None else step.step_length
+    lateral = walk.lateral if step.lateral is None else step.lateral
+    return forward, lateral, walk.step_yaw if step.step_yaw is None else step.step_yaw
+
+
+def _chain(increments: list[tuple[float, float, float]], swing: Side) -> list[Array]:
+    """Centre (3,) after each step."""
+    centre, centres = np.zeros(3), []
+    for forward, lateral, yaw in increments:
+        leads = swing.sign * lateral > 0.0
+        chord = compose_planar(centre, [0.0, 0.0, 0.5 * yaw])
+        centre = compose_planar(chord, [forward, lateral if leads else 0.0, 0.5 * yaw])
+        centres.append(centre)
+        swing = swing.other
+    return centres
+
+
+def _beside(centre: Array, side: Side, width: float) -> Footstep:
+    x, y, yaw = compose_planar(centre, [0.0, 0.5 * side.sign * width, 0.0])
+    return Footstep(side, float(x), float(y), float(yaw))
+
+
+def _refuse_contradictions(walk: WalkParameters, first_support: Side) -> None:
+    assert walk.footsteps is not None
+    first, last = (Side[walk.footsteps[i].side.upper()].other for i in (0, -1))
+    if first is not first_support:
+        raise ConfigError(
+            "walk.first_support",
+            f"{first_support.label}, but the first of walk.footsteps is one of this side; "
+            "leave it out",
+        )
+    if walk.last_support is not None and Side[walk.last_support.upper()] is not last:
+        raise ConfigError(
+            "walk.last_support",
+            f"{walk.last_support}, but the last of walk.footsteps is one of this side; "
+            "leave it out",
+        )

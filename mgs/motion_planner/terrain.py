@@ -1,0 +1,147 @@
+"""Stairs and obstacles: on what a footstep stands, and how a swing sole comes over the edges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mgs.contact import Footstep
+from mgs.errors import InfeasibleGaitError
+from mgs.geometry import polygon_margins, rectangle_gaps, sole_corners
+from mgs.knots import at_rest, evaluate
+from mgs.motion_planner.motion_plan import SwingPath
+from mgs.robot import Robot
+from mgs.scene import Box, ground_below
+
+Array = NDArray[np.float64]
+N_ALONG = 101  # places of a swing that are looked at
+# Rise, move and fall one after the other as far as need be, as parts of the single support.
+SQUARENESS = np.linspace(0.0, 1.0, 11)
+ROUNDING = 1e-9  # [m]
+
+
+def corners_of(robot: Robot, footstep: Footstep) -> Array:
+    """Corners (4, 2) of a footstep [m]."""
+    sole = robot.sole_spec(footstep.side)
+    return sole_corners([footstep.x, footstep.y, footstep.yaw], sole.length, sole.width)
+
+
+def stand_on(
+    robot: Robot, footsteps: tuple[Footstep, ...], boxes: tuple[Box, ...]
+) -> list[Footstep]:
+    """Footsteps on top of the boxes below them.
+
+    Raises:
+        InfeasibleGaitError: a footstep stands on an edge.
+    """
+    if not boxes:
+        return list(footsteps)
+    placed = []
+    for number, footstep in enumerate(footsteps):
+        corners = corners_of(robot, footstep)
+        z = float(ground_below(boxes, corners))
+        tops = [box for box in boxes if box.height == z]
+        insides = [float(polygon_margins(corners, box.corners).min()) for box in tops]
+        if z > 0.0 and max(insides) < 0.0:
+            raise InfeasibleGaitError(
+                f"footstep {number} stands {-1e3 * max(insides):.1f} mm over the edge of a box "
+                f"{z:g} m high; move the footstep or lengthen the box"
+            )
+        placed.append(replace(footstep, z=z))
+    return placed
+
+
+def refuse_crossing(
+    robot: Robot, start: Footstep, target: Footstep, support: Footstep, number: int
+) -> None:
+    """Raise InfeasibleGaitError where the swing sole on its way would strike the other leg."""
+    path = _planar_path(start, target, np.linspace(0.0, 1.0, N_ALONG))
+    gaps = rectangle_gaps(_corners_at(robot, target, path), corners_of(robot, support))
+    if gaps.min() < 0.0:
+        raise InfeasibleGaitError(
+            f"on its way to footstep {number} the {target.side.label} foot would strike the other "
+            f"leg, by {-1e3 * gaps.min():.1f} mm; use a larger step_width or a smaller step"
+        )
+
+
+def swing_over(
+    robot: Robot, start: Footstep, target: Footstep, plan: SwingParameters
+) -> SwingPath | None:
+    """A swing that keeps clear of boxes, as square as need be; None where there is no box.
+
+    Raises:
+        InfeasibleGaitError: an edge is closer than the clearance, however square the swing.
+    """
+    path = _planar_path(start, target, np.linspace(0.0, 1.0, N_ALONG))
+    ground = ground_below(plan.boxes, _corners_at(robot, target, path))
+    if not ground.any():
+        return None
+    apex = float(ground.max()) + plan.step_height
+    for squareness in SQUARENESS:
+        swing = _square_swing(start, target, apex, plan.duration, float(squareness))
+        room = _room(robot, target, swing, plan)
+        if room >= 0.0:
+            return swing
+    raise InfeasibleGaitError(
+        f"the swing to ({target.x:.3f}, {target.y:.3f}) m comes "
+        f"{1e3 * (plan.clearance + room):.1f} mm close to an edge, "
+        f"walk.clearance = {1e3 * plan.clearance:.1f} mm allowed; use a greater walk.step_height "
+        "or a smaller walk.clearance"
+    )
+
+
+@dataclass(frozen=True)
+class SwingParameters:
+    """What a swing over boxes has to keep to."""
+
+    boxes: tuple[Box, ...]
+    step_height: float  # above the highest ground on the way [m]
+    clearance: float  # of a sole above what it is not on [m]
+    duration: float  # [s]
+
+
+def _planar_path(start: Footstep, target: Footstep, along: Array) -> Array:
+    """Planar poses (m, 3) at parts (m,) of the way."""
+    a, b = (np.array([f.x, f.y, f.yaw]) for f in (start, target))
+    return np.asarray(a + along[:, None] * (b - a))
+
+
+def _corners_at(robot: Robot, footstep: Footstep, poses: Array) -> Array:
+    """Corners (m, 4, 2) of the sole of a footstep at planar poses (m, 3)."""
+    sole = robot.sole_spec(footstep.side)
+    return sole_corners(poses, sole.length, sole.width)
+
+
+def _square_swing(
+    start: Footstep, target: Footstep, apex: float, duration: float, squareness: float
+) -> SwingPath:
+    """Up to the apex, along, and down: at once (0) or one after the other (1)."""
+    overlap = 0.15 * (1.0 - squareness)
+    rise, fall = 0.35 + overlap, 0.65 - overlap
+    set_off, arrive = 0.3 * squareness, 1.0 - 0.3 * squareness
+    a, b = ([f.x, f.y, f.yaw] for f in (start, target))
+    return SwingPath(
+        planar=at_rest(duration * np.array([0.0, set_off, arrive, 1.0]), [a, a, b, b]),
+        height=at_rest(
+            duration * np.array([0.0, rise, fall, 1.0]), [[start.z], [apex], [apex], [target.z]]
+        ),
+    )
+
+
+def _room(robot: Robot, target: Footstep, swing: SwingPath, plan: SwingParameters) -> float:
+    """Least height of the sole above boxes, less the clearance [m].
+
+    A sole that is wholly on a box, as it is when it lifts off or lands, needs none.
+    """
+    times = np.linspace(0.0, plan.duration, N_ALONG)
+    corners = _corners_at(robot, target, evaluate(swing.planar, times))
+    height = evaluate(swing.height, times)[:, 0]
+    room = np.full(N_ALONG, np.inf)
+    for box in plan.boxes:
+        covered = rectangle_gaps(corners, box.corners) < 0.0
+        margins = polygon_margins(corners.reshape(-1, 2), box.corners).reshape(N_ALONG, 4)
+        needed = np.where(margins.min(axis=1) >= 0.0, 0.0, plan.clearance)
+        room = np.minimum(room, np.where(covered, height - box.height - needed, np.inf))
+    return float(room.min()) + ROUNDING
