@@ -59,35 +59,23 @@ class GaitFile(Model):
             )
 
 
-class ZmpGait(GaitFile):
-    """A gait whose CoM follows from the ZMP."""
-
-    com: ComParameters = ComParameters()
-    ik: IkParameters = IkParameters()
-
-    @model_validator(mode="after")
-    def _rests_as_long_as_it_previews(self) -> ZmpGait:
-        for key in ("lead_in", "lead_out"):
-            rest = getattr(getattr(self, self.motion), key)
-            if rest < self.com.preview:
-                raise ValueError(
-                    f"{self.motion}.{key} = {rest:g} s is shorter than the preview window "
-                    f"com.preview = {self.com.preview:g} s; the CoM would not be at rest: lengthen "
-                    f"{self.motion}.{key}"
-                )
-        return self
-
-
-class WalkGait(ZmpGait):
+class WalkGait(GaitFile):
     """A gait file with `motion: walk`."""
 
     motion: Literal["walk"] = Field(description="Kind of motion.")
     walk: WalkParameters
+    com: ComParameters = ComParameters()
+    ik: IkParameters = IkParameters()
 
     @property
     def com_tolerance(self) -> float:
         """Largest distance of the CoM from its reference that passes [m]."""
         return self.walk.com_tolerance
+
+    @model_validator(mode="after")
+    def _rests_as_long_as_it_previews(self) -> WalkGait:
+        _require_rests(self.motion, self.walk, self.com)
+        return self
 
     @model_validator(mode="after")
     def _fits_into_memory(self) -> WalkGait:
@@ -98,11 +86,31 @@ class WalkGait(ZmpGait):
         return self
 
 
-class KickGait(ZmpGait):
+class KickGait(GaitFile):
     """A gait file with `motion: kick`."""
 
     motion: Literal["kick"] = Field(description="Kind of motion.")
     kick: KickParameters = KickParameters()
+    com: ComParameters = ComParameters()
+    ik: IkParameters = IkParameters()
+
+    @model_validator(mode="after")
+    def _rests_as_long_as_it_previews(self) -> KickGait:
+        _require_rests(self.motion, self.kick, self.com)
+        return self
+
+
+ZmpGait = WalkGait | KickGait  # those whose CoM follows from the ZMP
+
+
+def _require_rests(block: str, given: WalkParameters | KickParameters, com: ComParameters) -> None:
+    for key in ("lead_in", "lead_out"):
+        rest = getattr(given, key)
+        if rest < com.preview:
+            raise ValueError(
+                f"{block}.{key} = {rest:g} s is shorter than the preview window com.preview = "
+                f"{com.preview:g} s; the CoM would not be at rest: lengthen {block}.{key}"
+            )
 
 
 class BalanceGait(GaitFile):

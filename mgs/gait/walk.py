@@ -32,7 +32,7 @@ class FootstepParameters(Model):
     of the box below it.
     """
 
-    side: Literal["left", "right"]
+    side: Literal["left", "right"] = Field(description="Foot that steps there.")
     x: Coordinate = Field(description="[m]")
     y: Coordinate = Field(description="[m]")
     yaw: Heading = Field(0.0, description="[rad]")
