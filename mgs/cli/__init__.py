@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from mgs import __version__
+from mgs.cli.batch import batch
 from mgs.cli.envelope import envelope
 from mgs.cli.experiment import experiment
 from mgs.cli.generate import generate
@@ -69,6 +70,7 @@ for command in (
     replay,
     envelope,
     refine,
+    batch,
     robot,
     experiment,
     schema,
