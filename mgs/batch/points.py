@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import difflib
 import io
 import itertools
 import json
@@ -110,8 +111,6 @@ def _check_keys(path: Path, gait: Gait, table_keys: tuple[str, ...], axes: tuple
 
 
 def _near(key: str, known: Iterable[str]) -> str:
-    import difflib
-
     close = difflib.get_close_matches(key[:60], list(known), n=1)
     return f"did you mean {close[0]!r}?" if close else f"known are {', '.join(sorted(known))}"
 

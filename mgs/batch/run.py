@@ -90,7 +90,7 @@ class Summary:
 def recipe_of(
     plan: Plan, engines: tuple[EngineName, ...] = (), servo: ServoName = "ideal"
 ) -> Recipe:
-    """What workers need to know of a plan; raises ConfigError where a robot is missing or broken."""
+    """What workers need to know of a plan; ConfigError where a robot is broken."""
     robots = {}
     for name in plan.robots:
         robot = load_robot(name)

@@ -192,7 +192,7 @@ def _finite(content: dict[str, Any]) -> dict[str, Any]:
     return {key: _number(value) for key, value in content.items()}
 
 
-class GaitWorker(WorkerPlugin):
+class GaitWorker(WorkerPlugin):  # type: ignore[misc]
     """Brings the recipe to every worker of a cluster, those too that come later or come back."""
 
     def __init__(self, name: str, recipe: Recipe) -> None:

@@ -11,6 +11,7 @@ from mgs.cli.experiment import experiment
 from mgs.cli.generate import generate
 from mgs.cli.inspect import info, plot
 from mgs.cli.judge import replay, validate
+from mgs.cli.library import library
 from mgs.cli.refine import refine
 from mgs.cli.robot import robot
 from mgs.cli.schema import schema
@@ -71,6 +72,7 @@ for command in (
     envelope,
     refine,
     batch,
+    library,
     robot,
     experiment,
     schema,

@@ -11,7 +11,8 @@ from mgs.cli.common import ProgressBar, json_option, print_json
 from mgs.cli.judge import engines_of, servo_option
 
 if TYPE_CHECKING:
-    from mgs.batch import Plan, Summary
+    from mgs.batch.points import Plan
+    from mgs.batch.run import Summary
     from mgs.sim import ServoName
 
 sweep_argument = click.argument(
@@ -140,9 +141,11 @@ def run(
     engines = tuple(engines_of(physics))
     if servo == "model" and not engines:
         raise ConfigError("--servo", "model says nothing without --physics")
-    _silence_dask()
-    from mgs.batch import plan_sweep, run_batch
-    from mgs.batch.run import recipe_of
+    from mgs.batch.points import plan_sweep
+    from mgs.batch.quiet import silence
+
+    silence()
+    from mgs.batch.run import recipe_of, run_batch
 
     found = plan_sweep(sweep)
     recipe = recipe_of(found, engines, servo)
@@ -162,13 +165,6 @@ def run(
     else:
         _print(summary)
     ctx.exit(1 if summary.verdicts["lost"] else 0)
-
-
-def _silence_dask() -> None:
-    """Keep workers that come and go out of the terminal, here and in their processes."""
-    import dask
-
-    dask.config.set({"logging": {"distributed": "critical", "distributed.nanny": "critical"}})
 
 
 class _Bar:
