@@ -16,6 +16,7 @@ from collections.abc import Collection
 from mgs.errors import ConfigError
 
 MAX_LENGTH = 2000
+MAX_DEPTH = 25  # of parts within parts; SQLite's parser bears about 100 brackets
 COMPARISONS: dict[type[ast.cmpop], str] = {
     ast.Eq: "=",
     ast.NotEq: "<>",
@@ -69,9 +70,18 @@ class _Compiler:
     def __init__(self, text: str, columns: Collection[str], source: str) -> None:
         self.text, self.columns, self.source = text, columns, source
         self.parameters: list[int | float | str] = []
+        self.depth = 0
 
     def sql(self, node: ast.expr) -> str:
         """SQL of a part."""
+        self.depth += 1
+        if self.depth > MAX_DEPTH:
+            raise RecursionError
+        text = self._part(node)
+        self.depth -= 1
+        return text
+
+    def _part(self, node: ast.expr) -> str:
         match node:
             case ast.BoolOp(op, values):
                 word = " AND " if isinstance(op, ast.And) else " OR "

@@ -177,9 +177,9 @@ def values(axis: Axis) -> list[Any]:
         return list(range(axis.integers[0], axis.integers[1] + 1))
     space = np.linspace if axis.linspace is not None else np.geomspace
     first, last, count = axis.linspace or axis.logspace or (0.0, 0.0, 0)
-    numbers: list[float] = space(float(first), float(last), int(count)).tolist()
-    if isinstance(first, int) and isinstance(last, int) and all(x == round(x) for x in numbers):
-        return [round(x) for x in numbers]  # what takes whole numbers only takes these
+    numbers: list[float] = space(first, last, int(count)).tolist()
+    if all(x == round(x) for x in numbers):
+        return [round(x) for x in numbers]  # a key that is a number of things takes no 2.0
     return numbers
 
 
