@@ -14,6 +14,7 @@ import itertools
 import json
 import os
 import signal
+import sqlite3
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -23,7 +24,7 @@ from pathlib import Path
 
 import dask
 from dask.system import CPU_COUNT
-from distributed import Client, Future, KilledWorker, LocalCluster, as_completed
+from distributed import Client, Future, KilledWorker, LocalCluster, wait
 
 import mgs
 from mgs.batch.lock import locked
@@ -38,7 +39,8 @@ from mgs.sim import EngineName, ServoName
 PER_WORKER = 2  # tasks under way: one is made, one waits
 CONNECT_TIMEOUT = 10.0  # [s]
 RESULT_TIMEOUT = 60.0  # [s] for the bytes of one gait
-RECOUNT = 2.0  # [s] between looks at how many workers there are
+LOOK = 2.0  # [s] between looks at how many workers there are
+WORKERLESS = 60.0  # [s] after which no worker is waited for
 SINGLE_THREADED = {
     name: 1
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS")
@@ -210,7 +212,10 @@ def _make(
 
     told()
     for number, outcome in _outcomes(client, name, plan, todo, summary):
-        _keep(plan, manifest, summary.folder, number, outcome)
+        try:
+            _keep(plan, manifest, summary.folder, number, outcome)
+        except (MgsError, sqlite3.OperationalError) as error:
+            raise MgsError(f"{error}; make room and go on with --resume") from error
         _count(summary, outcome.row["verdict"], outcome.row.get("reason"))
         summary.done += 1
         told()
@@ -255,27 +260,41 @@ def _completed(
     summary: Summary,
     attempt: str = "first",
 ) -> Iterator[tuple[int, Future]]:
-    """Futures of gaits in the order in which they end; few are under way at a time."""
-    queue, numbers = iter(todo), dict[str, int]()
-    ended = as_completed()
-    looked = -RECOUNT
-
-    def submit() -> None:
-        nonlocal looked
-        if time.monotonic() - looked > RECOUNT:  # workers come and go
+    """Futures of gaits as they end; few are under way at a time."""
+    queue, numbers = iter(todo), dict[Future, int]()
+    looked = -LOOK
+    while True:
+        if time.monotonic() - looked > LOOK:  # workers come and go
             summary.workers, looked = max(1, len(client.nthreads())), time.monotonic()
         for number in itertools.islice(queue, max(0, PER_WORKER * summary.workers - len(numbers))):
             key = f"{name}-{number}-{attempt}"
             future = client.submit(work, name, plan.assignments(number), key=key, pure=False)
-            numbers[key] = number
-            ended.add(future)
+            numbers[future] = number
+        if not numbers:
+            return
+        for future in _ended(client, list(numbers)):
+            yield numbers.pop(future), future
+            future.release()
 
-    submit()
-    for future in ended:
-        number = numbers.pop(future.key)
-        submit()
-        yield number, future
-        future.release()
+
+def _ended(client: Client, futures: list[Future]) -> set[Future]:
+    """Those of some futures that have ended, at least one.
+
+    Raises:
+        MgsError: nothing ends, since there has been no worker for some time.
+    """
+    seen = time.monotonic()
+    while True:
+        with contextlib.suppress(TimeoutError):
+            ended: set[Future] = wait(futures, timeout=LOOK, return_when="FIRST_COMPLETED").done
+            return ended
+        if client.nthreads():
+            seen = time.monotonic()
+        elif time.monotonic() - seen > WORKERLESS:
+            raise MgsError(
+                f"the cluster has had no workers for {WORKERLESS:g} s; start some, then go on with "
+                "--resume"
+            )
 
 
 def _outcome(future: Future) -> Outcome | None:
