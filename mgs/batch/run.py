@@ -15,12 +15,14 @@ import json
 import os
 import signal
 import sqlite3
+import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import CancelledError
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import FrameType
 
 import dask
 from dask.system import CPU_COUNT
@@ -39,6 +41,7 @@ from mgs.sim import EngineName, ServoName
 PER_WORKER = 2  # tasks under way: one is made, one waits
 CONNECT_TIMEOUT = 10.0  # [s]
 RESULT_TIMEOUT = 60.0  # [s] for the bytes of one gait
+PULSE = 0.1  # [s] of waiting after which Ctrl-C is heard
 LOOK = 2.0  # [s] between looks at how many workers there are
 WORKERLESS = 60.0  # [s] after which no worker is waited for
 SINGLE_THREADED = {
@@ -211,14 +214,42 @@ def _make(
             tell(summary)
 
     told()
-    for number, outcome in _outcomes(client, name, plan, todo, summary):
-        try:
-            _keep(plan, manifest, summary.folder, number, outcome)
-        except (MgsError, sqlite3.OperationalError) as error:
-            raise MgsError(f"{error}; make room and go on with --resume") from error
-        _count(summary, outcome.row["verdict"], outcome.row.get("reason"))
-        summary.done += 1
-        told()
+    with _deferred_interrupt() as interrupt:
+        for number, outcome in _outcomes(client, name, plan, todo, summary, interrupt):
+            try:
+                _keep(plan, manifest, summary.folder, number, outcome)
+            except (MgsError, sqlite3.OperationalError) as error:
+                raise MgsError(f"{error}; make room and go on with --resume") from error
+            _count(summary, outcome.row["verdict"], outcome.row.get("reason"))
+            summary.done += 1
+            told()
+
+
+@contextlib.contextmanager
+def _deferred_interrupt() -> Iterator[Callable[[], None]]:
+    """Ctrl-C is heard where the function given is called: in the midst of Dask it would be a mess.
+
+    The second Ctrl-C is heard at once. Other threads than the first hear none, as ever.
+    """
+    pressed = threading.Event()
+    before = signal.getsignal(signal.SIGINT)
+    in_charge = threading.current_thread() is threading.main_thread() and callable(before)
+
+    def handle(signum: int, frame: FrameType | None) -> None:
+        pressed.set()
+        signal.signal(signal.SIGINT, before)
+
+    def raise_if_pressed() -> None:
+        if pressed.is_set():
+            raise KeyboardInterrupt
+
+    if in_charge:
+        signal.signal(signal.SIGINT, handle)
+    try:
+        yield raise_if_pressed
+    finally:
+        if in_charge:
+            signal.signal(signal.SIGINT, before)
 
 
 def _keep(plan: Plan, manifest: Manifest, folder: Path, number: int, outcome: Outcome) -> None:
@@ -234,7 +265,12 @@ def _keep(plan: Plan, manifest: Manifest, folder: Path, number: int, outcome: Ou
 
 
 def _outcomes(
-    client: Client, name: str, plan: Plan, todo: list[int], summary: Summary
+    client: Client,
+    name: str,
+    plan: Plan,
+    todo: list[int],
+    summary: Summary,
+    interrupt: Callable[[], None],
 ) -> Iterator[tuple[int, Outcome]]:
     """Every number with its outcome, as they come.
 
@@ -242,13 +278,13 @@ def _outcomes(
     at the end and alone, so that one that kills its worker again is known to be the one.
     """
     suspects = []
-    for number, future in _completed(client, name, plan, todo, summary):
+    for number, future in _completed(client, name, plan, todo, summary, interrupt):
         if (outcome := _outcome(future)) is None:
             suspects.append(number)
         else:
             yield number, outcome
     for number in suspects:
-        for _, future in _completed(client, name, plan, [number], summary, "again"):
+        for _, future in _completed(client, name, plan, [number], summary, interrupt, "again"):
             yield number, _outcome(future) or Outcome(dict(KILLED))
 
 
@@ -258,6 +294,7 @@ def _completed(
     plan: Plan,
     todo: Iterable[int],
     summary: Summary,
+    interrupt: Callable[[], None],
     attempt: str = "first",
 ) -> Iterator[tuple[int, Future]]:
     """Futures of gaits as they end; few are under way at a time."""
@@ -272,25 +309,30 @@ def _completed(
             numbers[future] = number
         if not numbers:
             return
-        for future in _ended(client, list(numbers)):
+        for future in _ended(client, list(numbers), interrupt):
+            interrupt()
             yield numbers.pop(future), future
             future.release()
 
 
-def _ended(client: Client, futures: list[Future]) -> set[Future]:
+def _ended(client: Client, futures: list[Future], interrupt: Callable[[], None]) -> set[Future]:
     """Those of some futures that have ended, at least one.
 
     Raises:
         MgsError: nothing ends, since there has been no worker for some time.
     """
-    seen = time.monotonic()
+    seen = looked = time.monotonic()
     while True:
         with contextlib.suppress(TimeoutError):
-            ended: set[Future] = wait(futures, timeout=LOOK, return_when="FIRST_COMPLETED").done
+            ended: set[Future] = wait(futures, timeout=PULSE, return_when="FIRST_COMPLETED").done
             return ended
+        interrupt()
+        if time.monotonic() - looked < LOOK:
+            continue
+        looked = time.monotonic()
         if client.nthreads():
-            seen = time.monotonic()
-        elif time.monotonic() - seen > WORKERLESS:
+            seen = looked
+        elif looked - seen > WORKERLESS:
             raise MgsError(
                 f"the cluster has had no workers for {WORKERLESS:g} s; start some, then go on with "
                 "--resume"

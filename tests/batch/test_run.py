@@ -238,8 +238,8 @@ def test_physics_is_part_of_the_verdict(plan: Plan):
     assert (row["verdict"], row["survived"]) == ("pass", 1)
     assert 0.0 < float(row["max_tilt_deg"] or 0.0) < 10.0
     assert '"mujoco_upright"' in str(row["checks"])
-    thin = (*plan.assignments(4), "walk.zmp_offset=[0.0, -0.06]")  # on the edge of the outer soles
-    fallen = make_gait(recipe, thin).row
+    edge = ("com.generator=preview", "com.margin=0", "walk.zmp_offset=[0.0, -0.029]")
+    fallen = make_gait(recipe, (*plan.assignments(4), *edge)).row  # 1 mm inside the outer edge
     assert (fallen["verdict"], fallen["survived"]) == ("fail", 0)
     assert "mujoco_upright" in str(fallen["reason"])
 
