@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from mgs.batch.condition import compile_condition, quoted
-from mgs.batch.manifest import Manifest, Value, connect, file_sha256, reading
+from mgs.batch.manifest import Manifest, Value, connect, is_whole, reading
 from mgs.errors import ConfigError, InputError, MgsError
 
 HEAVY = "checks"  # the one column that is not told unless asked for
@@ -220,11 +220,7 @@ def report(folder: Path) -> dict[str, Any]:
             for name in ("vx", "vy", "wz", "zmp_margin", "torque_ratio", "joint_speed_ratio")
         }
         shares = {key: _shares(manifest, key) for key in keys}
-    damaged = [
-        file
-        for _, _, _, file, sha256 in states
-        if file is not None and file_sha256(folder / file) != sha256
-    ]
+    damaged = [file for *_, file, sha256 in states if not is_whole(folder, file, sha256)]
     return {
         "folder": str(folder),
         "gaits": int(identity["number of gaits"]),

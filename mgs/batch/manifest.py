@@ -156,8 +156,13 @@ def _told(path: Path) -> Iterator[None]:
         raise InputError(f"{path}: no manifest of a gait library: {error}") from error
 
 
-def file_sha256(path: Path) -> str | None:
-    """Content hash of a file; None if there is none to read."""
+def is_whole(folder: Path, file: str | None, sha256: str | None) -> bool:
+    """Whether a row's file has the content that it was written with; a row without one is whole."""
+    return file is None or (sha256 is not None and _sha256(folder / file) == sha256)
+
+
+def _sha256(path: Path) -> str | None:
+    """Content hash; None where there is no file to read."""
     try:
         with path.open("rb") as stream:
             digest = hashlib.sha256()

@@ -30,7 +30,7 @@ from distributed import Client, Future, KilledWorker, LocalCluster, wait
 
 import mgs
 from mgs.batch.lock import locked
-from mgs.batch.manifest import GAITS_FOLDER, LOST, MANIFEST, Manifest, Value, file_sha256, writing
+from mgs.batch.manifest import GAITS_FOLDER, LOST, MANIFEST, Manifest, Value, is_whole, writing
 from mgs.batch.points import Plan, plain
 from mgs.batch.worker import GaitWorker, Outcome, Recipe, failure, work
 from mgs.errors import ConfigError, MgsError
@@ -175,7 +175,7 @@ def _todo(manifest: Manifest, folder: Path, summary: Summary) -> list[int]:
         part.unlink(missing_ok=True)
     whole = set()
     for number, verdict, reason, file, sha256 in manifest.states():
-        if verdict == LOST or (file is not None and file_sha256(folder / file) != sha256):
+        if verdict == LOST or not is_whole(folder, file, sha256):
             continue
         whole.add(number)
         _count(summary, verdict, reason)

@@ -31,8 +31,8 @@ from mgs.errors import ConfigError, MgsError
 from mgs.gait import load_gait
 from mgs.motion_file import read_motion
 from mgs.pipeline import Stages, generate
-from tests.batch.conftest import LENGTHS, write_sweep
 from tests.cli.run import run
+from tests.libraries import LENGTHS, write_sweep
 
 Made = tuple[Path, Summary]
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import dask
 import pytest
 import yaml
-from distributed import LocalCluster
 
 from mgs.batch.points import Plan, plan_sweep
-from mgs.batch.run import SINGLE_THREADED, Summary, recipe_of, run_batch
 from mgs.gait import load_gait
 from tests.cli.run import SHORT_WALK
+
+if TYPE_CHECKING:
+    from mgs.batch.run import Summary
 
 SHORT = tuple(word for word in SHORT_WALK[1:] if word != "--set")
 LENGTHS = [0.0, 0.01, 0.02, 0.03, 0.04, 0.5]  # the last one is farther than the legs reach
@@ -43,6 +44,11 @@ def plan(sweep: Path) -> Plan:
 @pytest.fixture(scope="session")
 def address() -> Iterator[str]:
     """Scheduler of a cluster of two processes, which knows no gait yet."""
+    import dask
+    from distributed import LocalCluster
+
+    from mgs.batch.run import SINGLE_THREADED
+
     settings = {
         "distributed.nanny.pre-spawn-environ": SINGLE_THREADED,
         "distributed.scheduler.allowed-failures": 0,
@@ -59,5 +65,7 @@ def made(
     plan: Plan, address: str, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[Path, Summary]:
     """The library of the sweep, made without a disturbance."""
+    from mgs.batch.run import recipe_of, run_batch
+
     folder = tmp_path_factory.mktemp("library") / "lib"
     return folder, run_batch(plan, recipe_of(plan), folder, address=address)
