@@ -109,15 +109,24 @@ def writing(folder: Path, identity: Mapping[str, str], keys: tuple[str, ...]) ->
 def _create(
     connection: sqlite3.Connection, identity: Mapping[str, str], keys: tuple[str, ...]
 ) -> None:
-    """All or nothing, unless there is one already."""
+    """All or nothing, unless there is one already that has a row."""
     own = [key for key in keys if key not in COLUMNS]
     columns = [*(f"{quoted(n)} {kind}" for n, kind in COLUMNS.items()), *map(quoted, own)]
     connection.execute("BEGIN IMMEDIATE")
-    if not connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'identity'").fetchone():
+    if not _has_gaits(connection):
+        connection.execute("DROP TABLE IF EXISTS identity")
+        connection.execute("DROP TABLE IF EXISTS gaits")
         connection.execute("CREATE TABLE identity (name TEXT PRIMARY KEY, value TEXT NOT NULL)")
         connection.execute(f"CREATE TABLE gaits ({', '.join(columns)})")
         connection.executemany("INSERT INTO identity VALUES (?, ?)", identity.items())
     connection.execute("COMMIT")
+
+
+def _has_gaits(connection: sqlite3.Connection) -> bool:
+    tables = "SELECT 1 FROM sqlite_master WHERE name = 'gaits'"
+    if connection.execute(tables).fetchone() is None:
+        return False
+    return connection.execute("SELECT 1 FROM gaits LIMIT 1").fetchone() is not None
 
 
 @contextlib.contextmanager

@@ -130,11 +130,11 @@ def run_batch(
             written, or the cluster is lost. Whatever is written by then is whole.
     """
     identity = identity_of(plan, recipe)
-    if not resume and (folder / MANIFEST).exists():
-        raise MgsError(f"{folder}: holds a library; go on with --resume, or use another folder")
     (folder / GAITS_FOLDER).mkdir(parents=True, exist_ok=True)
     summary = Summary(folder, len(plan.points))
     with locked(folder), writing(folder, identity, plan.keys) as manifest:
+        if not resume and manifest.states():
+            raise MgsError(f"{folder}: holds a library; go on with --resume, or use another folder")
         _check_same(folder, manifest.identity(), identity)
         todo = _todo(manifest, folder, summary)
         if todo:
@@ -391,7 +391,7 @@ def _kill(cluster: LocalCluster) -> None:
 def _client(address: str) -> Iterator[Client]:
     try:
         client = Client(address, timeout=CONNECT_TIMEOUT)
-    except (OSError, ValueError) as error:
+    except Exception as error:  # each kind of address fails in its own way
         raise MgsError(f"no Dask scheduler answers at {address}: {error}") from error
     with client:
         try:

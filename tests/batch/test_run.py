@@ -207,10 +207,22 @@ def test_no_scheduler_and_no_manifest_are_told(plan: Plan, tmp_path: Path, monke
         run_batch(plan, recipe_of(plan), tmp_path / "a", address="tcp://127.0.0.1:1")
     with pytest.raises(MgsError, match="no Dask scheduler answers at nonsense"):
         run_batch(plan, recipe_of(plan), tmp_path / "b", address="nonsense://x")
+    with pytest.raises(MgsError, match="no Dask scheduler answers at tls://127.*TLS"):
+        run_batch(plan, recipe_of(plan), tmp_path / "b", address="tls://127.0.0.1:1")
     (tmp_path / "c").mkdir()
     (tmp_path / "c" / MANIFEST).write_bytes(b"no database" * 1000)
     with pytest.raises(MgsError, match="no manifest of a gait library"):
         run_batch(plan, recipe_of(plan), tmp_path / "c", resume=True)
+
+
+def test_a_run_that_has_made_nothing_leaves_room_for_another_sweep(
+    plan: Plan, tmp_path: Path, monkeypatch: Any
+):
+    monkeypatch.setattr("mgs.batch.run.CONNECT_TIMEOUT", 0.5)
+    other = plan_sweep(write_sweep(tmp_path, axes={"walk.step_length": [0.01]}))
+    for sweep in (plan, other):
+        with pytest.raises(MgsError, match="no Dask scheduler"):
+            run_batch(sweep, recipe_of(sweep), tmp_path / "lib", address="tcp://127.0.0.1:1")
 
 
 def test_a_mistake_of_ours_is_told_of_its_gait_alone(plan: Plan, monkeypatch: pytest.MonkeyPatch):
@@ -408,18 +420,68 @@ def test_a_worker_has_one_thread_for_linear_algebra_and_the_robot_once(
     assert all(threads == "1" and loaded <= 1 for threads, loaded in found.values())
 
 
+MORE = {"walk.step_length": {"linspace": [0.0, 0.04, 20]}, "walk.first_support": ["left", "right"]}
+
+
 @pytest.mark.slow
 def test_a_run_killed_ten_times_at_random_moments_ends_as_an_undisturbed_one(
-    sweep: Path, made: Made, tmp_path: Path
+    address: str, tmp_path: Path
 ):
-    generator, folder = np.random.default_rng(0), tmp_path / "lib"
+    """Moments while workers start and while gaits are made and written."""
+    sweep = write_sweep(tmp_path, axes=MORE)
+    plan, expected, folder = plan_sweep(sweep), tmp_path / "undisturbed", tmp_path / "lib"
+    run_batch(plan, recipe_of(plan), expected, address=address)
+    generator, progress = np.random.default_rng(0), []
     for _ in range(10):
+        there = len(list((folder / "gaits").glob("*.mcap")))
         process = start(sweep, folder, "--workers", "2")
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            process.communicate(timeout=float(generator.uniform(0.5, 6.0)))
+        wait_for(folder, there + int(generator.integers(0, 5)), process)
+        time.sleep(float(generator.uniform(0.0, 0.5)))
         process.kill()
         process.communicate()
+        assert process.returncode == -signal.SIGKILL
+        progress.append(len(list((folder / "gaits").glob("*.mcap"))))
+    assert progress[0] < progress[-1] < len(plan.points)
     process = start(sweep, folder, "--workers", "2")
     _, errors = process.communicate()
     assert process.returncode == 0, errors.decode()
-    assert_same_library(folder, made[0])
+    assert_same_library(folder, expected)
+
+
+def dask_process(kind: str, *options: str) -> subprocess.Popen[bytes]:
+    command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *options, "--no-dashboard"]
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+@pytest.mark.slow
+def test_a_cluster_of_processes_that_loses_one_makes_all_and_nothing_twice(
+    address: str, tmp_path: Path
+):
+    """A scheduler and two workers that know of each other by TCP alone, as on three machines."""
+    plan = plan_sweep(write_sweep(tmp_path, axes=MORE))
+    expected, folder = tmp_path / "undisturbed", tmp_path / "lib"
+    run_batch(plan, recipe_of(plan), expected, address=address)
+    card, told = tmp_path / "scheduler.json", list[int]()
+    options = ("--scheduler-file", str(card))
+    scheduler = dask_process("scheduler", "--host", "127.0.0.1", "--port", "0", *options)
+    workers = [dask_process("worker", *options, "--nthreads", "1", "--no-nanny") for _ in range(2)]
+    try:
+        while not card.exists():
+            time.sleep(0.05)
+        with Client(scheduler_file=str(card)) as client:
+            client.wait_for_workers(2, timeout=60)
+            there = client.scheduler.address
+
+        def tell(summary: Summary) -> None:
+            told.append(summary.done)
+            if summary.done == len(plan.points) // 3:
+                workers[0].kill()
+
+        summary = run_batch(plan, recipe_of(plan), folder, address=there, tell=tell)
+    finally:
+        for process in (*workers, scheduler):
+            process.kill()
+            process.wait()
+    assert told == list(range(len(plan.points) + 1))
+    assert summary.done == len(plan.points) == sum(summary.verdicts.values())
+    assert_same_library(folder, expected)
