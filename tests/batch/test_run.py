@@ -207,7 +207,7 @@ def test_no_scheduler_and_no_manifest_are_told(plan: Plan, tmp_path: Path, monke
         run_batch(plan, recipe_of(plan), tmp_path / "a", address="tcp://127.0.0.1:1")
     with pytest.raises(MgsError, match="no Dask scheduler answers at nonsense"):
         run_batch(plan, recipe_of(plan), tmp_path / "b", address="nonsense://x")
-    with pytest.raises(MgsError, match="no Dask scheduler answers at tls://127.*TLS"):
+    with pytest.raises(MgsError, match=r"no Dask scheduler answers at tls://127.*TLS"):
         run_batch(plan, recipe_of(plan), tmp_path / "b", address="tls://127.0.0.1:1")
     (tmp_path / "c").mkdir()
     (tmp_path / "c" / MANIFEST).write_bytes(b"no database" * 1000)
