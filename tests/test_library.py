@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mgs.batch.manifest import MANIFEST, writing
+from mgs.batch.manifest import COLUMNS, MANIFEST, writing
 from mgs.errors import ConfigError, InputError, MgsError
 from mgs.library import GaitLibrary, query, report, to_csv, to_parquet
 
@@ -158,3 +158,9 @@ def test_the_report_counts_and_finds_files_that_are_gone(folder: Path):
     }
     assert shares[0.0] == (3334, 3334)
     assert shares[None] == (2, 0)
+
+
+def test_every_column_is_explained():
+    text = (Path(__file__).parents[1] / "docs" / "libraries.md").read_text()
+    for name in COLUMNS:
+        assert f"`{name}`" in text, name

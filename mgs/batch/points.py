@@ -70,6 +70,7 @@ def plan_sweep(path: Path) -> Plan:
     gait = parse_gait(text, base)
     table_keys, rows = _read_table(path.parent / sweep.table) if sweep.table else ((), [()])
     keys = (*table_keys, *sweep.axes)
+    _check_values(path, sweep, rows)
     _check_keys(path, gait, table_keys, tuple(sweep.axes))
     n_points = _count(sweep, len(rows))
     if n_points > MAX_GAITS:
@@ -108,6 +109,17 @@ def _check_keys(path: Path, gait: Gait, table_keys: tuple[str, ...], axes: tuple
         problems.append(f"table: a key comes twice: {', '.join(table_keys)}")
     if problems:
         raise ConfigError(path, problems)
+
+
+def _check_values(path: Path, sweep: Sweep, rows: list[Point]) -> None:
+    """YAML has dates, gait files have not."""
+    lists = {f"axes.{key}": axis.values or [] for key, axis in sweep.axes.items()}
+    for key, found in (lists | {"table": [x for row in rows for x in row]}).items():
+        for value in found:
+            try:
+                json.dumps(value)
+            except (TypeError, ValueError) as error:
+                raise ConfigError(path, f"{key}: {value!s:.60} is no value of a gait") from error
 
 
 def _near(key: str, known: Iterable[str]) -> str:
@@ -233,6 +245,5 @@ def _filtered(
 
 def plain(value: Any) -> int | float | str | None:
     """A value as a database takes it; lists and the like as JSON."""
-    if value is None or isinstance(value, int | float | str):
-        return value
-    return json.dumps(value)
+    fits = not isinstance(value, int) or abs(value) < 2**63
+    return value if fits and isinstance(value, int | float | str | None) else json.dumps(value)

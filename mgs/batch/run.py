@@ -219,10 +219,11 @@ def _make(
             try:
                 _keep(plan, manifest, summary.folder, number, outcome)
             except (MgsError, sqlite3.OperationalError) as error:
-                raise MgsError(f"{error}; make room and go on with --resume") from error
+                raise MgsError(f"{error}; make room, then go on with --resume") from error
             _count(summary, outcome.row["verdict"], outcome.row.get("reason"))
             summary.done += 1
             told()
+    client.unregister_worker_plugin(name)
 
 
 @contextlib.contextmanager

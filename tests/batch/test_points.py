@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import itertools
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from mgs.batch.points import Plan, flat, plan_sweep
+from mgs.batch.points import Plan, flat, plain, plan_sweep
 from mgs.batch.sweep import KINDS, Axis
 from mgs.errors import ConfigError
 from mgs.gait import load_gait, parse_gait
@@ -121,6 +122,13 @@ def test_a_gait_beside_the_sweep_may_be_its_base(tmp_path: Path):
     assert plan_of(tmp_path, base="mine.yaml", axes={LENGTH: [0.0]}).base == tmp_path / "mine.yaml"
 
 
+def test_what_a_database_cannot_hold_is_kept_as_text():
+    assert [plain(x) for x in (1, 0.5, "a", None, True)] == [1, 0.5, "a", None, True]
+    assert [plain(x) for x in (10**30, [0.0, 1], {"a": None})] == [
+        "1" + 30 * "0", "[0.0, 1]", '{"a": null}',
+    ]  # fmt: skip
+
+
 def test_flat_names_are_dotted():
     assert flat({"a": {"b": {"c": 1}, "d": None}, "e": [2]}) == {"a.b.c": 1, "a.d": None, "e": [2]}
 
@@ -154,6 +162,7 @@ def test_flat_names_are_dotted():
         ({"axes": {LENGTH: [1]}, "mgs": 2}, "mgs: "),
         ({"axes": {LENGTH: [1]}, "filters": ["sped > 1"]}, "filters: no column 'sped'"),
         ({"axes": {LENGTH: [1]}, "filters": ["False"]}, "leave none"),
+        ({"axes": {LENGTH: [datetime.date(2020, 1, 2)]}}, f"axes.{LENGTH}: 2020-01-02 is no value"),
         ({"axes": {"robot": [3]}}, "3 is no name of a robot"),
         (
             {"axes": {key: {"linspace": [0, 1, 5000]} for key in (LENGTH, HEIGHT)}},

@@ -402,7 +402,7 @@ def test_a_full_disk_is_told_and_the_run_goes_on_when_there_is_room(
     assert Path(f"{folder}.code").read_text() == "1\n"
     message = Path(f"{folder}.message").read_text()
     assert "full" in message or "no space left on device" in message
-    assert "make room and go on with --resume" in message
+    assert "make room, then go on with --resume" in message
     assert "Traceback" not in message
     assert Path(f"{folder}.integrity").read_text() == "ok\n"
     assert_same_library(Path(f"{folder}.lib"), made[0])
