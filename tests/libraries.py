@@ -47,14 +47,10 @@ def address() -> Iterator[str]:
     import dask
     from distributed import LocalCluster
 
-    from mgs.batch.run import SINGLE_THREADED
+    from mgs.batch.run import OWN_CLUSTER
 
-    settings = {
-        "distributed.nanny.pre-spawn-environ": SINGLE_THREADED,
-        "distributed.scheduler.allowed-failures": 0,
-    }
     with (
-        dask.config.set(settings),
+        dask.config.set(OWN_CLUSTER),
         LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster,
     ):
         yield cluster.scheduler_address

@@ -165,6 +165,14 @@ def _told(path: Path) -> Iterator[None]:
         raise InputError(f"{path}: no manifest of a gait library: {error}") from error
 
 
+def holds_gaits(folder: Path) -> bool:
+    """Whether there is a manifest with a row; raises InputError if it is damaged."""
+    if not (folder / MANIFEST).exists():
+        return False
+    with reading(folder) as manifest:
+        return bool(manifest.states())
+
+
 def is_whole(folder: Path, file: str | None, sha256: str | None) -> bool:
     """Whether a row's file has the content that it was written with; a row without one is whole."""
     return file is None or (sha256 is not None and _sha256(folder / file) == sha256)

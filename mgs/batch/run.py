@@ -30,7 +30,16 @@ from distributed import Client, Future, KilledWorker, LocalCluster, wait
 
 import mgs
 from mgs.batch.lock import locked
-from mgs.batch.manifest import GAITS_FOLDER, LOST, MANIFEST, Manifest, Value, is_whole, writing
+from mgs.batch.manifest import (
+    GAITS_FOLDER,
+    LOST,
+    MANIFEST,
+    Manifest,
+    Value,
+    holds_gaits,
+    is_whole,
+    writing,
+)
 from mgs.batch.points import Plan, plain
 from mgs.batch.worker import GaitWorker, Outcome, Recipe, failure, work
 from mgs.errors import ConfigError, MgsError
@@ -44,11 +53,19 @@ RESULT_TIMEOUT = 60.0  # [s] for the bytes of one gait
 PULSE = 0.1  # [s] of waiting after which Ctrl-C is heard
 LOOK = 2.0  # [s] between looks at how many workers there are
 WORKERLESS = 60.0  # [s] after which no worker is waited for
-SINGLE_THREADED = {
-    name: 1
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS")
+OWN_CLUSTER = {
+    "distributed.nanny.pre-spawn-environ": {  # set before a worker imports numpy
+        name: 1
+        for name in (
+            *("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"),
+            *("MKL_NUM_THREADS", "BLIS_NUM_THREADS"),
+        )
+    },
+    # whose worker dies is tried again by us, see _outcomes
+    "distributed.scheduler.allowed-failures": 0,
+    # workers come back; Dask would end for good one that died twice in 15 s
+    "distributed.deploy.lost-worker-timeout": "1000 days",
 }
-
 KILLED = {
     "verdict": LOST,
     "reason": "KilledWorker",
@@ -130,11 +147,11 @@ def run_batch(
             written, or the cluster is lost. Whatever is written by then is whole.
     """
     identity = identity_of(plan, recipe)
+    if not resume and holds_gaits(folder):
+        raise MgsError(f"{folder}: holds a library; go on with --resume, or use another folder")
     (folder / GAITS_FOLDER).mkdir(parents=True, exist_ok=True)
     summary = Summary(folder, len(plan.points))
     with locked(folder), writing(folder, identity, plan.keys) as manifest:
-        if not resume and manifest.states():
-            raise MgsError(f"{folder}: holds a library; go on with --resume, or use another folder")
         _check_same(folder, manifest.identity(), identity)
         todo = _todo(manifest, folder, summary)
         if todo:
@@ -360,18 +377,16 @@ def _cluster(workers: int | None, address: str | None, n_gaits: int) -> Iterator
         with _client(address) as client:
             yield client
         return
-    settings = {
-        "distributed.nanny.pre-spawn-environ": SINGLE_THREADED,  # before a worker imports numpy
-        "distributed.scheduler.allowed-failures": 0,  # who dies is tried again by us, see _outcomes
-    }
-    with dask.config.set(settings):
-        cluster = LocalCluster(
+    with (
+        dask.config.set(OWN_CLUSTER),
+        LocalCluster(
             n_workers=min(workers or CPU_COUNT, n_gaits),
             threads_per_worker=1,
             processes=True,
             dashboard_address="127.0.0.1:0",
-        )
-    with cluster, Client(cluster) as client:
+        ) as cluster,
+        Client(cluster) as client,
+    ):
         try:
             yield client
         except BaseException:
