@@ -50,7 +50,7 @@ from mgs.sim import EngineName, ServoName
 PER_WORKER = 2  # tasks under way: one is made, one waits
 CONNECT_TIMEOUT = 10.0  # [s]
 RESULT_TIMEOUT = 60.0  # [s] for the bytes of one gait
-PULSE = 0.1  # [s] of waiting after which Ctrl-C is heard
+PULSE = 0.3  # [s] of waiting after which Ctrl-C is heard
 LOOK = 2.0  # [s] between looks at how many workers there are
 WORKERLESS = 60.0  # [s] after which no worker is waited for
 OWN_CLUSTER = {
