@@ -14,6 +14,9 @@ from mgs.pipeline import Stages, generate
 from mgs.robot import Robot, load_robot
 from mgs.sequence import generate_motion
 from tests.crooked import crooked_robot
+from tests.libraries import address, made, plan, sweep
+
+__all__ = ["address", "made", "plan", "sweep"]  # fixtures
 
 # the same examples in every run, and no failure because a machine is slow
 settings.register_profile("mgs", derandomize=True, deadline=None, max_examples=60)

@@ -65,8 +65,12 @@ OWNERS = {
     "yaml": {"config", "gait"},
     "pydantic": {"config", "gait", "robot", "batch", "motion_file"},
     "click": {"cli"},
+    "dask": {"batch", "cli"},
+    "distributed": {"batch"},
+    "sqlite3": {"batch"},
+    "pyarrow": {"library"},
 }
-HEAVY = ["control", "matplotlib", "mujoco", "pybullet", "pinocchio", "scipy", "mcap"]
+HEAVY = ["control", "matplotlib", "mujoco", "pybullet", "pinocchio", "scipy", "mcap", "distributed"]
 FILES = sorted(PACKAGE.rglob("*.py"))
 
 

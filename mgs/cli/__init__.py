@@ -5,12 +5,14 @@ from __future__ import annotations
 import click
 
 from mgs import __version__
+from mgs.cli.batch import batch
 from mgs.cli.envelope import envelope
 from mgs.cli.experiment import experiment
 from mgs.cli.export import export
 from mgs.cli.generate import generate
 from mgs.cli.inspect import info, plot
 from mgs.cli.judge import replay, validate
+from mgs.cli.library import library
 from mgs.cli.refine import refine
 from mgs.cli.robot import robot
 from mgs.cli.schema import schema
@@ -71,6 +73,8 @@ for command in (
     envelope,
     refine,
     export,
+    batch,
+    library,
     robot,
     experiment,
     schema,

@@ -42,9 +42,13 @@ def print_json(content: object) -> None:
 
 
 class ProgressBar:
-    """Callable with (done, total); draws on stderr when it is a terminal and the work is long."""
+    """Callable with (done, total); draws on stderr when it is a terminal and the work is long.
 
-    def __init__(self, label: str) -> None:
+    `detail` gives a text to show behind the bar.
+    """
+
+    def __init__(self, label: str, detail: Callable[[], str] | None = None) -> None:
+        self._detail = detail
         self._label, self._started, self._done = label, time.monotonic(), 0
         self._bar: Any = None
         self._on_terminal = sys.stderr.isatty()
@@ -54,7 +58,14 @@ class ProgressBar:
         if not self._on_terminal or time.monotonic() - self._started < SHOW_AFTER:
             return
         if self._bar is None:
-            self._bar = click.progressbar(length=total, label=self._label, file=sys.stderr)
+            detail = self._detail
+            self._bar = click.progressbar(
+                length=total,
+                label=self._label,
+                file=sys.stderr,
+                show_pos=detail is not None,
+                item_show_func=None if detail is None else lambda _: detail(),
+            )
             self._bar.render_progress()
         self._bar.update(done - self._done)
         self._done = done

@@ -8,7 +8,7 @@ from mgs.cli.common import print_json
 
 
 @click.command()
-@click.argument("kind", type=click.Choice(["gait", "robot"]))
+@click.argument("kind", type=click.Choice(["gait", "robot", "sweep"]))
 def schema(kind: str) -> None:
     """Print the JSON schema of a kind of file, for editors that complete and check.
 
@@ -20,6 +20,10 @@ def schema(kind: str) -> None:
         from mgs.gait import gait_schema
 
         print_json(gait_schema())
+    elif kind == "sweep":
+        from mgs.batch.sweep import Sweep
+
+        print_json(Sweep.model_json_schema())
     else:
         from mgs.robot import RobotSpec
 

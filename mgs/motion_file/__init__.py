@@ -20,6 +20,6 @@ With a single message:
 """
 
 from mgs.motion_file.read import read_info, read_motion
-from mgs.motion_file.write import write_motion
+from mgs.motion_file.write import motion_bytes, write_motion
 
-__all__ = ["read_info", "read_motion", "write_motion"]
+__all__ = ["motion_bytes", "read_info", "read_motion", "write_motion"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Callable
 from dataclasses import asdict
@@ -76,6 +77,19 @@ def write_motion(
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise MgsError(f"{path}: cannot be written: {reason}") from error
+
+
+def motion_bytes(motion: Motion) -> bytes:
+    """Content of the file that `write_motion` would write.
+
+    Raises:
+        MotionFileError: an array has a wrong shape or holds a NaN.
+    """
+    if problem := find_problem(motion):
+        raise MotionFileError(motion.gait_name, problem)
+    stream = io.BytesIO()
+    _write(motion, stream, lambda done, total: None)
+    return stream.getvalue()
 
 
 def _write(motion: Motion, stream: BinaryIO, progress: Progress) -> None:

@@ -15,7 +15,7 @@ from tests.cli.run import run
 
 HEAVY = [
     *("numpy", "scipy", "pinocchio", "control", "matplotlib", "pybullet", "mujoco", "mcap"),
-    *("pydantic", "yaml"),
+    *("pydantic", "yaml", "dask", "distributed"),
 ]
 
 
@@ -32,6 +32,7 @@ ALL = list(commands(main))
 
 def test_the_commands_of_the_design_are_there():
     expected = {"generate", "info", "plot", "validate", "replay", "experiment", "export", "schema"}
+    expected |= {"batch", "library"}
     assert {path[0] for path in ALL if len(path) == 1} >= expected
     assert {path[1] for path in ALL if path[:1] == ("robot",) and path[1:]} >= {
         "list",

@@ -37,7 +37,7 @@ def problems(kind: str, tree: Any) -> list[str]:
     return [error.message for error in validator.iter_errors(tree)]
 
 
-@pytest.mark.parametrize("kind", ["gait", "robot"])
+@pytest.mark.parametrize("kind", ["gait", "robot", "sweep"])
 def test_the_schema_is_a_json_schema(kind: str):
     jsonschema.Draft202012Validator.check_schema(schema(kind))
 
@@ -53,7 +53,7 @@ def test_every_shipped_file_meets_its_schema_and_no_other_key_does(kind: str, pa
             assert len(problems(kind, tree | {key: tree[key] | {"colour": "red"}})) == 1
 
 
-@pytest.mark.parametrize("kind", ["gait", "robot"])
+@pytest.mark.parametrize("kind", ["gait", "robot", "sweep"])
 def test_nothing_at_all_does_not_meet_the_schema(kind: str):
     assert problems(kind, {}) != []
     assert problems(kind, []) != []

@@ -1,0 +1,204 @@
+"""mgs library."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from mgs.cli.common import force_option, json_option, print_json
+from mgs.errors import OutputExistsError
+
+if TYPE_CHECKING:
+    from mgs.library import Table
+
+SHOWN = [
+    *("number", "verdict", "reason", "robot", "ik.solver", "speed", "vx", "vy", "wz"),
+    *("zmp_margin", "torque_ratio", "survived", "file"),
+]
+MOST_VALUES = 12  # of a key, told one by one
+
+folder_argument = click.argument(
+    "folder", metavar="DIR", type=click.Path(exists=True, file_okay=False, path_type=Path)
+)
+where_option = click.option(
+    "--where", metavar="CONDITION", help='On columns, e.g. "speed > 0.1 and survived".'
+)
+columns_option = click.option(
+    "--columns", metavar="NAME,NAME", help="Columns to give; see mgs library query DIR --names."
+)
+
+
+@click.group()
+def library() -> None:
+    """Look into a gait library that mgs batch run has made.
+
+    \b
+    Examples:
+      mgs library query outputs/speeds --where "speed > 0.1 and survived"
+      mgs library export outputs/speeds --format csv -o speeds.csv
+      mgs library report outputs/speeds
+    """  # noqa: D301
+
+
+@library.command()
+@folder_argument
+@where_option
+@columns_option
+@click.option("--order", metavar="COLUMN", help="Sort by a column, or by what is made of some.")
+@click.option("--reverse", is_flag=True, help="The largest first.")
+@click.option("--limit", metavar="N", type=click.IntRange(1), help="At most so many.")
+@click.option("--names", is_flag=True, help="Print the names of all columns instead.")
+@json_option
+def query(
+    folder: Path,
+    where: str | None,
+    columns: str | None,
+    order: str | None,
+    reverse: bool,
+    limit: int | None,
+    names: bool,
+    as_json: bool,
+) -> None:
+    """Print the gaits that fulfil a condition.
+
+    A condition has names of columns, numbers, 'texts', and, or, not, == != < <= > >=, in [..],
+    is None, + - * / and abs(). What is not known, such as `survived` without physics, is not true.
+
+    \b
+    Examples:
+      mgs library query outputs/speeds --where "speed > 0.1 and survived" --order speed --reverse
+      mgs library query outputs/speeds --where "ik.solver == 'ik4' and vx > 0.1" --limit 3
+      mgs library query outputs/speeds --where "verdict == 'infeasible'" --columns number,message
+      mgs library query outputs/speeds --names
+    """  # noqa: D301
+    from mgs import library as look
+    from mgs.batch.manifest import reading
+
+    if names:
+        with reading(folder) as manifest:
+            found = list(manifest.columns)
+        print_json(found) if as_json else click.echo("\n".join(found))
+        return
+    asked = _names(columns) if columns else (None if as_json else SHOWN)
+    table = look.query(folder, where, asked, order, reverse, limit)
+    if as_json:
+        rows = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
+        print_json({"folder": str(folder), "gaits": len(rows), "rows": rows})
+    else:
+        _print(table)
+
+
+@library.command()
+@folder_argument
+@click.option(
+    "--format", "kind", type=click.Choice(["csv", "parquet"]), required=True, help="Of the file."
+)
+@click.option(
+    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
+    help="File to write; default DIR.csv or DIR.parquet.",
+)  # fmt: skip
+@where_option
+@columns_option
+@force_option
+@json_option
+def export(
+    folder: Path,
+    kind: str,
+    output: Path | None,
+    where: str | None,
+    columns: str | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Write the manifest as a table for other tools.
+
+    \b
+    Examples:
+      mgs library export outputs/speeds --format csv
+      mgs library export outputs/speeds --format parquet -o passed.parquet --where "survived"
+    """  # noqa: D301
+    from mgs import library as look
+    from mgs.files import replace_file
+
+    path = output or folder.with_name(f"{folder.resolve().name}.{kind}")
+    if path.is_dir() or (path.exists() and not force):
+        raise OutputExistsError(path)
+    table = look.query(folder, where, _names(columns) if columns else None)
+    content = look.to_csv(table) if kind == "csv" else look.to_parquet(table)
+    replace_file(path, content)
+    if as_json:
+        print_json({"file": str(path), "gaits": len(table.rows), "columns": list(table.columns)})
+    else:
+        click.echo(f"{click.format_filename(str(path))}: {len(table.rows)} gaits")
+
+
+@library.command()
+@folder_argument
+@json_option
+@click.pass_context
+def report(ctx: click.Context, folder: Path, as_json: bool) -> None:
+    """Sum up a library, and verify every file by its content hash.
+
+    Exit code 1 when a file is damaged or missing.
+
+    \b
+    Example:
+      mgs library report outputs/speeds
+    """  # noqa: D301
+    from mgs import library as look
+
+    found = look.report(folder)
+    if as_json:
+        print_json(found)
+    else:
+        _print_report(found)
+    ctx.exit(1 if found["damaged_files"] else 0)
+
+
+def _names(columns: str) -> list[str]:
+    return [name.strip() for name in columns.split(",")]
+
+
+def _print(table: Table) -> None:
+    """Columns side by side, as wide as what is in them."""
+    cells = [list(table.columns), *([_cell(value) for value in row] for row in table.rows)]
+    widths = [min(40, max(map(len, column))) for column in zip(*cells, strict=True)]
+    for line in cells:
+        click.echo("  ".join(c.ljust(w) for c, w in zip(line, widths, strict=True)).rstrip())
+    click.echo(f"{len(table.rows)} gaits")
+
+
+def _cell(value: object) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.4g}" if isinstance(value, float) else " ".join(str(value).split())
+
+
+def _print_report(found: dict[str, Any]) -> None:
+    click.echo(
+        f"{click.format_filename(found['folder'])}: {found['made']} of {found['gaits']} gaits "
+        f"made, physics {found['physics']}, mgs {found['mgs_version']}"
+    )
+    for verdict, n in found["verdicts"].items():
+        click.echo(f"{n:8d}  {verdict}")
+    for reason, n in found["reasons"].items():
+        click.echo(f"{n:8d}      {reason}")
+    click.echo("of those that pass:")
+    for name, (low, high) in found["ranges_of_passes"].items():
+        if low is not None:
+            click.echo(f"  {name:18s} {low:.4g} to {high:.4g}")
+    click.echo("passes by value:")
+    for key, shares in found["passes_by_value"].items():
+        if len(shares) <= MOST_VALUES:
+            told = ", ".join(f"{_cell(s['value'])}: {s['pass']}/{s['gaits']}" for s in shares)
+        else:
+            told = f"{len(shares)} values"
+        click.echo(f"  {key:24s} {told}")
+    damaged = found["damaged_files"]
+    if damaged:
+        click.echo(f"{len(damaged)} files damaged or missing, such as {damaged[0]}; make them anew "
+                   "with mgs batch run --resume")  # fmt: skip
+    else:
+        click.echo("all files are whole")
