@@ -65,8 +65,13 @@ def write_picture(motion: Motion, path: Path, *, force: bool = False) -> Path:
 def _top(motion: Motion, sample: int) -> float:
     """Height of the robot in the strip, above the place where it stands [m]."""
     corners = box_corners(motion.robot, motion.q[sample]).reshape(-1, 3)
-    centre = motion.soles[sample, :, :3].mean(axis=0) * [1.0, 1.0, 0.0]
-    return float((corners @ VIEW.up).max() - centre @ VIEW.up)
+    return float((corners @ VIEW.up).max() - _centre(motion, sample) @ VIEW.up)
+
+
+def _centre(motion: Motion, sample: int) -> Array:
+    """Place on the ground (3,) where the robot is drawn: between its soles, or where it lies."""
+    points = motion.soles[sample, :, :3] if motion.gait.is_balanced else motion.com[sample, None]
+    return np.asarray(points.mean(axis=0) * [1.0, 1.0, 0.0])
 
 
 def pose_samples(motion: Motion, n_poses: int) -> list[int]:
@@ -93,7 +98,7 @@ def _draw_strip(axes: Axes, motion: Motion, samples: list[int], spacing: float) 
     axes.set_aspect("equal")
     axes.set_axis_off()
     for i, sample in enumerate(samples):
-        centre = motion.soles[sample, :, :3].mean(axis=0) * [1.0, 1.0, 0.0]
+        centre = _centre(motion, sample)
         x, y = VIEW.project(centre)
         offset = np.array([i * spacing - x, -y])
         radius, time = NEARBY * float(motion.com[0, 2]), sample * motion.dt
@@ -125,6 +130,7 @@ def _draw_points(axes: Axes, motion: Motion, sample: int, offset: Array) -> None
 def _caption(axes: Axes, motion: Motion, sample: int, x: float) -> None:
     support = Support(motion.support[sample])
     what = "both soles" if support is Support.DOUBLE else f"{support.label} sole"
+    what = what if motion.gait.is_balanced else ""
     unit = float(motion.com[0, 2])
     for y, text, colour in ((-0.25, f"{sample * motion.dt:.1f} s", INK), (-0.36, what, FAINT)):
         axes.text(x, y * unit, text, ha="center", va="center", fontsize=TICK, color=colour)

@@ -30,7 +30,8 @@ from mgs.checks import check_motion
 from mgs.errors import ConfigError, MgsError
 from mgs.gait import load_gait
 from mgs.motion_file import read_motion
-from mgs.pipeline import Stages, generate
+from mgs.pipeline import generate
+from mgs.sequence import Made, generate_motion
 from tests.cli.run import run
 from tests.libraries import LENGTHS, write_sweep
 
@@ -229,7 +230,7 @@ def test_a_mistake_of_ours_is_told_of_its_gait_alone(plan: Plan, monkeypatch: py
     def broken(*_: Any) -> None:
         raise ZeroDivisionError("a mistake")
 
-    monkeypatch.setattr(mgs.batch.worker, "generate", broken)
+    monkeypatch.setattr(mgs.batch.worker, "generate_motion", broken)
     outcome = make_gait(recipe_of(plan), plan.assignments(0))
     assert outcome.row["verdict"] == "lost"
     assert outcome.row["reason"] == "ZeroDivisionError"
@@ -265,9 +266,9 @@ class Deadly(WorkerPlugin):
         self.length, self.once = length, once
 
     def setup(self, worker: object) -> None:
-        real = generate
+        real = generate_motion
 
-        def deadly(robot: Any, gait: Any, name: str) -> Stages:
+        def deadly(robot: Any, gait: Any, name: str) -> Made:
             if gait.walk.step_length == self.length:
                 with contextlib.suppress(FileExistsError):
                     if self.once is not None:
@@ -275,10 +276,10 @@ class Deadly(WorkerPlugin):
                     os.kill(os.getpid(), signal.SIGKILL)
             return real(robot, gait, name)
 
-        mgs.batch.worker.generate = deadly
+        mgs.batch.worker.generate_motion = deadly
 
     def teardown(self, worker: object) -> None:
-        mgs.batch.worker.generate = generate
+        mgs.batch.worker.generate_motion = generate_motion
 
 
 @contextlib.contextmanager
