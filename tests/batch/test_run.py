@@ -30,8 +30,8 @@ from mgs.checks import check_motion
 from mgs.errors import ConfigError, MgsError
 from mgs.gait import load_gait
 from mgs.motion_file import read_motion
-from mgs.pipeline import generate
-from mgs.sequence import Made, generate_motion
+from mgs.pipeline import Stages, generate
+from mgs.sequence import generate_motion
 from tests.cli.run import run
 from tests.libraries import LENGTHS, write_sweep
 
@@ -268,7 +268,7 @@ class Deadly(WorkerPlugin):
     def setup(self, worker: object) -> None:
         real = generate_motion
 
-        def deadly(robot: Any, gait: Any, name: str) -> Made:
+        def deadly(robot: Any, gait: Any, name: str) -> Any:
             if gait.walk.step_length == self.length:
                 with contextlib.suppress(FileExistsError):
                     if self.once is not None:
