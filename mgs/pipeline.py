@@ -16,7 +16,7 @@ from mgs.errors import InfeasibleGaitError
 from mgs.gait import ComParameters, Gait, WalkGait
 from mgs.ik_solver import JointTrajectory, solve_ik
 from mgs.motion import Motion
-from mgs.motion_planner import MotionPlan, plan_motion
+from mgs.motion_planner import MotionPlan, for_robot, plan_motion
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 
@@ -53,6 +53,7 @@ def generate(
         InfeasibleGaitError: the robot cannot do it; names time, task or joint, and the remedy.
     """
     seconds: dict[str, float] = {}
+    gait = for_robot(gait, robot)
     plan = _timed(seconds, "motion_planner", lambda: plan_motion(robot, gait))
     tasks = _timed(seconds, "trajectory_planner", lambda: plan_trajectories(plan))
     passes = _Passes(robot, gait, tasks, seconds, progress)

@@ -16,6 +16,11 @@ class WalkParameters(Model):
     """Steps of one walk and their timing; SI units; x forward, y left, z up."""
 
     n_steps: int = Field(ge=1, le=20_000, description="Steps taken, the closing one included.")
+    sizes: Literal["given", "robot"] = Field(
+        "given",
+        description="robot: lengths and times left out here, and those of com, are derived from "
+        "the robot's leg length and soles.",
+    )
     step_length: Length = Field(
         0.0, description="Advance of the swing sole past the support sole [m]; negative: backward."
     )

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mgs.robot import Robot
 
 Array = NDArray[np.float64]
+LEAST_ARM_JOINTS = 3  # that can place a hand anywhere about a point
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,7 +19,7 @@ class StandingFigures:
     """World frame, origin on the ground midway between the soles."""
 
     com: Array  # (3,) [m]
-    hands: Array  # (2, 3) left and right [m]; NaN: it cannot be moved against the torso
+    hands: Array  # (2, 3) left and right [m]; NaN: it cannot be moved freely against the torso
     torso: Array  # (4,) quaternion xyzw
 
 
@@ -28,9 +29,11 @@ def standing_figures(robot: Robot) -> StandingFigures:
     pin.framesForwardKinematics(robot.model, data, robot.standing_q)
     com = pin.centerOfMass(robot.model, data, robot.standing_q, False).copy()
     hands = np.array([data.oMf[frame].translation for frame in robot.hand_frames])
-    torso_joint = robot.model.frames[robot.torso_frame].parentJoint
+    supports, frames = robot.model.supports, robot.model.frames
+    trunk = set(supports[frames[robot.torso_frame].parentJoint])
     for side, frame in enumerate(robot.hand_frames):
-        if robot.model.frames[frame].parentJoint == torso_joint:
+        arm = set(supports[frames[frame].parentJoint]) - trunk
+        if len(arm) < LEAST_ARM_JOINTS:
             hands[side] = np.nan
     torso = pin.Quaternion(data.oMf[robot.torso_frame].rotation).coeffs()
     return StandingFigures(com, hands, np.array(torso))
