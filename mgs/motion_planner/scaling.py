@@ -3,7 +3,7 @@
 Walks of robots of different size look alike when lengths go with the leg length L and times with
 sqrt(L / g) (equal Froude numbers v^2 / (g L); Alexander, "The gaits of bipedal and quadrupedal
 animals", Int. J. Robotics Research 3(2), 1984). The factors below make a slow walk: Froude number
-0.001. The ZMP keeps off the edge of the sole by a part of its half width.
+0.0007. The ZMP keeps off the edge of the sole by a part of its half width.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from mgs.gait import ComParameters, Gait, WalkGait, WalkParameters
 from mgs.robot import Robot, leg_length
 
 GRAVITY = 9.81  # [m/s^2]
-STEP_LENGTH, STEP_HEIGHT, ZMP_TOLERANCE = 0.15, 0.05, 5e-4  # in leg lengths
-SINGLE_SUPPORT, DOUBLE_SUPPORT = 3.2, 1.6  # in sqrt(L / g)
+STEP_LENGTH, STEP_HEIGHT, ZMP_TOLERANCE = 0.12, 0.04, 5e-4  # in leg lengths
+SINGLE_SUPPORT, DOUBLE_SUPPORT = 2.0, 2.4  # in sqrt(L / g)
 LANDING = 0.2  # part of a single support
-MARGIN = 0.6  # of the half width of a sole
+MARGIN = 0.5  # of the half width of a sole
 REST_AFTER_PREVIEW = 0.2  # [s]
 DIGITS = 4  # of a figure in the gait as resolved
 

@@ -59,7 +59,10 @@ def init_robot(
     leg = leg_length(skeleton, anatomy.legs[0], soles[0])
     _refuse_unfit(skeleton, anatomy, soles, leg, source)
     notes = source.notes
-    posture = find_posture(skeleton, anatomy, soles)
+    mass = float(pin.computeTotalMass(skeleton.model))
+    figures = servo_figures(skeleton, anatomy, source.root, mass, leg)
+    torque = {joint: found.effort for joint, found in figures.items()}
+    posture = find_posture(skeleton, anatomy, soles, torque)
     if posture.sole_error > NEAR:
         notes.append(
             f"no posture found with both soles level: {posture.sole_error:.2g} m or rad are left"
@@ -67,8 +70,6 @@ def init_robot(
     links = link_names(skeleton, source.root)
     inertias = mended_inertias(skeleton, leg, links, notes)
     shapes = clean_shapes(skeleton, anatomy, soles, posture.q, notes)
-    mass = float(pin.computeTotalMass(skeleton.model))
-    figures = servo_figures(skeleton, anatomy, source.root, mass, leg)
     arms = anatomy.arms
     draft = Draft(
         name=name or source.name,
@@ -175,7 +176,10 @@ def _shins(anatomy: Anatomy) -> list[int]:
 
 
 def _touching(robot: Robot, watched: set[str]) -> list[tuple[str, str]]:
-    """Pairs of links whose shapes touch in the posture or near it, the watched pairs left out."""
+    """Pairs of links whose shapes touch in the posture or near it, the watched pairs left out.
+
+    Boxes about meshes overlap across a link between them, as at an ankle: such pairs count too.
+    """
     rng = np.random.default_rng(0)
     geometry, model = robot.geometry, robot.model
     data, geometry_data = model.createData(), geometry.createData()
@@ -196,4 +200,9 @@ def _touching(robot: Robot, watched: set[str]) -> list[tuple[str, str]]:
                 )
                 if i == 0 or not {a, b} <= watched:
                     found.add((a, b))
+    for pair in geometry.collisionPairs:
+        objects = [geometry.geometryObjects[g] for g in (pair.first, pair.second)]
+        a, b = (int(g.parentJoint) for g in objects)
+        if int(model.parents[int(model.parents[a])]) == b or int(model.parents[int(model.parents[b])]) == a:
+            found.add(tuple(str(model.frames[g.parentFrame].name) for g in objects))
     return sorted(found)

@@ -20,12 +20,14 @@ from mgs.robot_init.sole import Sole
 from mgs.urdf_text import joint_axis
 
 Array = NDArray[np.float64]
-CROUCHES = (0.92, 0.94, 0.96, 0.975, 0.985)  # of the stretched leg, from hip to sole; first fits
-HAND_REACH = 0.8  # of the stretched arm, from shoulder to hand
-HAND_DIRECTION = (0.45, 0.2, -0.87)  # forward, outward, down
+CROUCHES = (0.95, 0.96, 0.97, 0.98)  # of the stretched leg, from hip to sole
+MOST_LOAD = 0.3  # of its torque that a joint in pitch may need to carry the robot on one leg
+LEG_ROOM = 0.25  # [rad] from the limits of a leg that leaves room for a step
+HAND_REACH = 0.85  # of the stretched arm, from shoulder to hand
+HAND_DIRECTION = (0.2, 0.2, -0.96)  # forward, outward, down
 REST_WEIGHT = 1e-3  # [m/rad] pull to the posture at rest
 NEAR = 1e-6  # [m] and [rad] that a sole may be off
-ROOM = 0.02  # [rad] kept from the joint limits
+ROOM, ARM_ROOM = 0.02, 0.35  # [rad] kept from the limits of legs and arms, of narrow ones less
 BALANCE_ROUNDS = 20
 
 
@@ -50,20 +52,55 @@ def hand_point(skeleton: Skeleton, body: int) -> Array:
     return 0.5 * (points.min(axis=0) + points.max(axis=0))
 
 
-def find_posture(skeleton: Skeleton, anatomy: Anatomy, soles: tuple[Sole, Sole]) -> Posture:
-    """Half-sitting posture; the best that was found where none meets everything."""
+def find_posture(
+    skeleton: Skeleton, anatomy: Anatomy, soles: tuple[Sole, Sole], torque: dict[int, float]
+) -> Posture:
+    """Half-sitting posture: the lowest with level soles that legs have the room and strength for.
+
+    Where none has all of that, soles count before room and room before strength. `torque` [N m] is
+    what joints have.
+    """
     q = skeleton.at_rest.copy()
     for side, arm in enumerate(anatomy.arms or ()):
         _place_hand(skeleton, arm, 1.0 - 2.0 * side, q)
-    best: Posture | None = None
+    found: list[tuple[tuple[float, float, float], Posture]] = []
     for crouch in CROUCHES:
         posture = _sit(skeleton, anatomy, soles, q.copy(), crouch)
-        if best is None or posture.sole_error < best.sole_error:
-            best = posture
-        if best.sole_error <= NEAR:
+        room = _room(skeleton, anatomy, posture.q)
+        load = _load(skeleton, anatomy.legs[0], soles[0], posture.q, torque)
+        score = -max(posture.sole_error, NEAR), min(room, LEG_ROOM), -max(load, MOST_LOAD)
+        found.append((score, posture))
+        if score == (-NEAR, LEG_ROOM, -MOST_LOAD):
             break
-    assert best is not None
-    return best
+    return max(found, key=lambda item: item[0])[1]
+
+
+def _room(skeleton: Skeleton, anatomy: Anatomy, q: Array) -> float:
+    """Least distance of a leg's joint from its limits [rad]."""
+    at = _angles(skeleton, [*anatomy.legs[0], *anatomy.legs[1]])
+    model = skeleton.model
+    room = np.minimum(q[at] - model.lowerPositionLimit[at], model.upperPositionLimit[at] - q[at])
+    return float(room.min())
+
+
+def _load(
+    skeleton: Skeleton, leg: list[int], sole: Sole, q: Array, torque: dict[int, float]
+) -> float:
+    """Largest part of its torque that a joint in pitch needs to carry the robot on one leg."""
+    model, data = skeleton.model, skeleton.model.createData()
+    gravity = pin.computeGeneralizedGravity(model, data, q)
+    pin.computeJointJacobians(model, data, q)
+    at = data.oMi[leg[-1]].act(sole.placement.translation)
+    weight = np.array([0.0, 0.0, gravity[2]])  # the base is upright: its third force is the weight
+    wrench = np.concatenate([weight, np.cross(at, weight)])  # about the origin
+    needed = gravity - pin.getJointJacobian(model, data, leg[-1], pin.WORLD).T @ wrench
+    pitch = [j for j in leg if _turns_in_pitch(skeleton, j)]
+    return max((abs(float(needed[model.idx_vs[j]])) / torque[j] for j in pitch), default=0.0)
+
+
+def _turns_in_pitch(skeleton: Skeleton, joint: int) -> bool:
+    axis = skeleton.placements[joint].rotation @ joint_axis(skeleton.model, joint)
+    return bool(abs(axis[1]) > 0.7)
 
 
 def _sit(
@@ -101,7 +138,7 @@ def _place_sole(
         turn = pin.log3(target.rotation.T @ T.rotation)
         return np.concatenate([T.translation - target.translation, turn])
 
-    return _solve(skeleton, leg, error, _leg_starts(skeleton, leg, q), q)
+    return _solve(skeleton, leg, error, _leg_starts(skeleton, leg, q), q, ROOM)
 
 
 def _place_hand(skeleton: Skeleton, arm: list[int], outward: float, q: Array) -> None:
@@ -116,17 +153,14 @@ def _place_hand(skeleton: Skeleton, arm: list[int], outward: float, q: Array) ->
         return np.asarray(data.oMi[arm[-1]].act(hand) - target)
 
     starts = [skeleton.at_rest[_angles(skeleton, arm)] + bend for bend in (0.0, 0.4, -0.4)]
-    _solve(skeleton, arm, error, iter(starts), q)
+    _solve(skeleton, arm, error, iter(starts), q, ARM_ROOM)
 
 
 def _leg_starts(skeleton: Skeleton, leg: list[int], q: Array) -> Iterator[Array]:
     """Where it stands, then knees bent either way with hip and ankle against it."""
     at = _angles(skeleton, leg)
     yield q[at]
-    pitch = [
-        i for i, j in enumerate(leg)
-        if abs((skeleton.placements[j].rotation @ joint_axis(skeleton.model, j))[1]) > 0.7
-    ]  # fmt: skip
+    pitch = [i for i, joint in enumerate(leg) if _turns_in_pitch(skeleton, joint)]
     for bend in (0.8, 0.4):
         start = skeleton.at_rest[at].copy()
         for part, joint in zip(_pitch_pattern(len(pitch)), pitch, strict=True):
@@ -152,14 +186,18 @@ def _solve(
     error: Callable[[pin.Data], Array],
     starts: Iterator[Array],
     q: Array,
+    room: float,
 ) -> float:
-    """Minimise an error over some joints of q, in place; returns its largest part that is left."""
+    """Minimise an error over some joints of q, in place; returns its largest part that is left.
+
+    Joints keep `room` [rad] from their limits, a quarter of the range at most.
+    """
     from scipy.optimize import least_squares
 
     model, data, at = skeleton.model, skeleton.model.createData(), _angles(skeleton, joints)
     lower, upper = model.lowerPositionLimit[at], model.upperPositionLimit[at]
-    room = np.minimum(ROOM, 0.25 * (upper - lower))
-    lower, upper = lower + room, upper - room
+    kept = np.minimum(room, 0.25 * (upper - lower))
+    lower, upper = lower + kept, upper - kept
     rest = np.clip(skeleton.at_rest[at], lower, upper)
 
     def residual(angles: Array, pull: float) -> Array:

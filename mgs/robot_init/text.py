@@ -18,6 +18,7 @@ from mgs.robot_init.skeleton import BASE, Skeleton
 from mgs.robot_init.sole import Sole
 
 Array = NDArray[np.float64]
+UPRIGHT = 0.35  # [rad] that waist and head may turn either way
 PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_./-]*\Z")
 WORDS_OF_YAML = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
 
@@ -96,12 +97,27 @@ def _servos(draft: Draft) -> list[str]:
         lines.append(f"  {name}: {{{torque}, {speed}}}{guess}")
     lines.append("joints:")
     lines += [f"  {word(draft.skeleton.name(j))}: {_servo(draft.figures[j])}" for j in moving]
+    lines += _limits(draft)
     if draft.anatomy.locked:
         lines.append("locked:  # guess: joints that no motion of the whole body needs [rad]")
         for joint, why in sorted(draft.anatomy.locked.items()):
             angle = float(draft.q[draft.skeleton.model.idx_qs[joint]])
             lines.append(f"  {word(draft.skeleton.name(joint))}: {angle:.9g}  # {why}")
     return lines
+
+
+def _limits(draft: Draft) -> list[str]:
+    """Waist and head near upright: their ranges in the URDF are wide and seldom symmetric."""
+    model, lines = draft.skeleton.model, []
+    for joint in [*draft.anatomy.waist, *draft.anatomy.head]:
+        at = int(model.idx_qs[joint])
+        angle = float(draft.q[at])
+        low = max(float(model.lowerPositionLimit[at]), angle - UPRIGHT)
+        high = min(float(model.upperPositionLimit[at]), angle + UPRIGHT)
+        lines.append(f"  {word(draft.skeleton.name(joint))}: [{low!r}, {high!r}]")
+    return ["limits:  # guess: a trunk near upright; widen for motions that bend it", *lines] * bool(
+        lines
+    )
 
 
 def _servo(figures: ServoFigures) -> str:
