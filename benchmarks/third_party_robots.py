@@ -87,7 +87,7 @@ def walked(urdf: Path, folder: Path) -> list[str]:
     joints = json.loads(run("robot", "show", str(folder), "--json")[1])["joints"]
     length, width = found["soles"]["left"]
     cells = [str(len(joints)), f"{found['mass']:.1f} kg", f"{1e3 * length:.0f} x {1e3 * width:.0f}"]
-    code, text = run("robot", "check", str(folder), "--json")
+    _, text = run("robot", "check", str(folder), "--json")
     unsound = [f["name"] for f in json.loads(text)["findings"] if not f["ok"]]
     told = f"check: {', '.join(unsound)}; " if unsound else ""
     motion = folder / "walk.mcap"
@@ -99,7 +99,7 @@ def walked(urdf: Path, folder: Path) -> list[str]:
 
 def validated(motion: Path, told: str) -> list[str]:
     """Walk, both engines, verdict."""
-    code, text = run("validate", str(motion), "--json")
+    _, text = run("validate", str(motion), "--json")
     if not text.startswith("{"):
         return ["", "", "", f"{told}not simulated: {reason(text, motion)}"]
     verdict = json.loads(text)

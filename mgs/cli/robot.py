@@ -182,4 +182,5 @@ def init(
         click.echo(f"  note      {note}")
     for finding in findings:
         if not finding.ok:
-            click.echo(f"  FAIL      {finding.name}: {finding.figure}\n            {finding.remedy}")
+            click.echo(f"  FAIL      {finding.name}: {finding.figure}")
+            click.echo(f"            {finding.remedy}")

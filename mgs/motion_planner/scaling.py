@@ -33,16 +33,15 @@ def for_robot(gait: Gait, robot: Robot) -> Gait:
         return gait
     walk = {**_walk_sizes(gait, robot), **_stated(gait.walk), "sizes": "given"}
     com = {**_com_sizes(robot), **_stated(gait.com)}
-    changed = gait.model_copy(
-        update={"walk": WalkParameters(**walk), "com": ComParameters(**com)}
-    )
-    return WalkGait.model_validate(changed.model_dump())
+    blocks = {"walk": WalkParameters(**walk), "com": ComParameters(**com)}
+    return WalkGait.model_validate(gait.model_copy(update=blocks).model_dump())
 
 
 def _walk_sizes(gait: WalkGait, robot: Robot) -> dict[str, Any]:
     length = leg_length(robot)
     time = math.sqrt(length / GRAVITY)
-    rest = max(WalkParameters.model_fields["lead_in"].default, gait.com.preview + REST_AFTER_PREVIEW)
+    usual = WalkParameters.model_fields["lead_in"].default
+    rest = max(usual, gait.com.preview + REST_AFTER_PREVIEW)
     return {
         "step_length": round(STEP_LENGTH * length, DIGITS) if gait.walk.n_steps > 1 else 0.0,
         "step_height": round(STEP_HEIGHT * length, DIGITS),

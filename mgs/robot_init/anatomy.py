@@ -167,12 +167,13 @@ def _knee_moves_foot(skeleton: Skeleton, foot: int) -> Array:
     ground = skeleton.points_at_rest(foot)[:, 2].min()
     candidates = [j for j in path if abs(_axis_in_base(skeleton, j)[2]) < 0.5]  # no yaw joint
     middle = 0.5 * (heights[0] + ground)
-    knee = min(candidates or path, key=lambda j: abs(skeleton.placements[j].translation[2] - middle))
-    at = int(skeleton.model.idx_vs[knee]) + 1  # in q: a quaternion is one longer than a velocity
-    rest = skeleton.at_rest[at]
-    room = skeleton.model.upperPositionLimit[at] - rest, rest - skeleton.model.lowerPositionLimit[at]
-    arm = skeleton.placements[foot].translation - skeleton.placements[knee].translation
-    moved = np.cross(_axis_in_base(skeleton, knee), arm) * (room[0] - room[1])
+    origins = {j: skeleton.placements[j].translation for j in path}
+    knee = min(candidates or path, key=lambda j: abs(origins[j][2] - middle))
+    at, model = int(skeleton.model.idx_qs[knee]), skeleton.model
+    up = model.upperPositionLimit[at] - skeleton.at_rest[at]
+    down = skeleton.at_rest[at] - model.lowerPositionLimit[at]
+    arm = origins[foot] - origins[knee]
+    moved = np.cross(_axis_in_base(skeleton, knee), arm) * (up - down)
     return np.asarray(moved[:2] / (np.linalg.norm(arm) or 1.0))
 
 

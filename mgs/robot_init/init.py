@@ -5,16 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from mgs.contact import Side
 from mgs.errors import ConfigError, OutputExistsError
 from mgs.files import replace_file
-from mgs.robot import FLOATING_BASE_NQ, Robot, build_robot
+from mgs.robot import Robot, build_robot
 from mgs.robot_init.anatomy import Anatomy, find_anatomy, heading
 from mgs.robot_init.bodies import clean_shapes, cleaned_urdf, link_names, mended_inertias
+from mgs.robot_init.collisions import touching_pairs
 from mgs.robot_init.figures import servo_figures
 from mgs.robot_init.posture import NEAR, find_posture, hand_point, leg_length
 from mgs.robot_init.skeleton import Skeleton, build_skeleton
@@ -22,10 +21,8 @@ from mgs.robot_init.sole import Sole, find_sole
 from mgs.robot_init.source import Source, read_source, turn
 from mgs.robot_init.text import Draft, readme, robot_yaml
 
-Array = NDArray[np.float64]
 LEAST_SOLE, LARGEST_SOLE = 0.03, 0.8  # of the leg length; below: a point, beyond: no foot
 LEAST_LEG_JOINTS = 5
-NEARBY, N_NEARBY = 0.25, 40  # [rad] about the posture, number of postures looked at
 MOST_LISTED = 5
 
 
@@ -87,7 +84,7 @@ def init_robot(
     efforts = {joint: (found.effort, found.velocity) for joint, found in figures.items()}
     urdf_text = cleaned_urdf(draft.name, skeleton, links, shapes, inertias, efforts)
     robot = build_robot(robot_yaml(draft), urdf_text, urdf)
-    draft.ignored.extend(_touching(robot, {draft.links[b] for b in _shins(anatomy)}))
+    draft.ignored.extend(touching_pairs(robot, {draft.links[b] for b in _shins(anatomy)}))
     text = robot_yaml(draft)
     return DraftFolder(
         urdf=urdf_text,
@@ -122,8 +119,8 @@ def _read(urdf: Path, package_paths: tuple[Path, ...]) -> tuple[Source, Skeleton
         skeleton = build_skeleton(source, package_paths)
     if skeleton.missing:
         source.notes.append(
-            f"{len(skeleton.missing)} mesh files not found, first {skeleton.missing[0]}: give their "
-            "folder with --package-path"
+            f"{len(skeleton.missing)} mesh files not found, first {skeleton.missing[0]}: give "
+            "their folder with --package-path"
         )
     return source, skeleton
 
@@ -173,36 +170,3 @@ def _refuse_unfit(
 def _shins(anatomy: Anatomy) -> list[int]:
     """The lower half of either leg: what must never touch the other one."""
     return [joint for leg in anatomy.legs for joint in leg[len(leg) // 2 :]]
-
-
-def _touching(robot: Robot, watched: set[str]) -> list[tuple[str, str]]:
-    """Pairs of links whose shapes touch in the posture or near it, the watched pairs left out.
-
-    Boxes about meshes overlap across a link between them, as at an ankle: such pairs count too.
-    """
-    rng = np.random.default_rng(0)
-    geometry, model = robot.geometry, robot.model
-    data, geometry_data = model.createData(), geometry.createData()
-    found = set()
-    for i in range(1 + N_NEARBY):
-        q = robot.standing_q.copy()
-        if i:
-            shift = rng.uniform(-NEARBY, NEARBY, robot.n)
-            q[FLOATING_BASE_NQ:] = np.clip(robot.posture + shift, robot.lower, robot.upper)
-        pin.computeCollisions(model, data, geometry, geometry_data, q, False)
-        for pair, result in zip(
-            geometry.collisionPairs, geometry_data.collisionResults, strict=True
-        ):
-            if result.isCollision():
-                a, b = (
-                    str(model.frames[geometry.geometryObjects[g].parentFrame].name)
-                    for g in (pair.first, pair.second)
-                )
-                if i == 0 or not {a, b} <= watched:
-                    found.add((a, b))
-    for pair in geometry.collisionPairs:
-        objects = [geometry.geometryObjects[g] for g in (pair.first, pair.second)]
-        a, b = (int(g.parentJoint) for g in objects)
-        if int(model.parents[int(model.parents[a])]) == b or int(model.parents[int(model.parents[b])]) == a:
-            found.add(tuple(str(model.frames[g.parentFrame].name) for g in objects))
-    return sorted(found)

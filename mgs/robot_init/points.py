@@ -168,11 +168,12 @@ def _primitive(placement: pin.SE3, shape: ElementTree.Element) -> Surface | None
         radius, length = float(shape.get("radius", "")), float(shape.get("length", ""))
         angles = np.arange(RING) * 2.0 * np.pi / RING
         ring = np.stack([radius * np.cos(angles), radius * np.sin(angles), 0.0 * angles], axis=1)
-        ends = [ring + [0.0, 0.0, z] for z in (-0.5 * length, 0.5 * length)]
         if shape.tag == "capsule":
-            ends = [radius * _directions() + [0, 0, z] for z in (-0.5 * length, 0.5 * length)]
-        size = {"radius": repr(radius), "length": repr(length)}
-        return Surface(placement, np.concatenate(ends), ("cylinder", size))
+            ring = radius * _directions()
+        end = np.array([0.0, 0.0, 0.5 * length])
+        points = np.concatenate([ring - end, ring + end])
+        round_size = {"radius": repr(radius), "length": repr(length)}
+        return Surface(placement, points, ("cylinder", round_size))
     return None
 
 

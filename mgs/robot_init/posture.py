@@ -128,9 +128,7 @@ def _sit(
     return Posture(q, error, offset)
 
 
-def _place_sole(
-    skeleton: Skeleton, leg: list[int], sole: Sole, target: pin.SE3, q: Array
-) -> float:
+def _place_sole(skeleton: Skeleton, leg: list[int], sole: Sole, target: pin.SE3, q: Array) -> float:
     """Solve the joints of a leg in q, in place; returns what is left of the error."""
 
     def error(data: pin.Data) -> Array:
@@ -164,9 +162,7 @@ def _leg_starts(skeleton: Skeleton, leg: list[int], q: Array) -> Iterator[Array]
     for bend in (0.8, 0.4):
         start = skeleton.at_rest[at].copy()
         for part, joint in zip(_pitch_pattern(len(pitch)), pitch, strict=True):
-            axis = skeleton.placements[leg[joint]].rotation @ joint_axis(
-                skeleton.model, leg[joint]
-            )
+            axis = skeleton.placements[leg[joint]].rotation @ joint_axis(skeleton.model, leg[joint])
             start[joint] += bend * part * np.sign(axis[1])
         yield start
 

@@ -23,13 +23,12 @@ TAKEN_NAMES = ("universe", "root_joint")  # by Pinocchio
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """A URDF as a tree of revolute and fixed joints under one root link."""
+    """A URDF as a tree of revolute and fixed joints under one root link; `root` may be changed."""
 
     path: Path
     root: ElementTree.Element
     mimics: dict[str, str]  # joints that follow another, and which; they are fixed now
     leaders: set[str]  # joints that others follow
-    guessed_limits: set[str] = field(default_factory=set)
     notes: list[str] = field(default_factory=list)
 
     @property
@@ -108,10 +107,11 @@ def _refuse_loops(root: ElementTree.Element, path: Path) -> None:
             if end is None or end.get("link") not in links:
                 problems.append(f"joint {joint.get('name')}: its {tag} is no link of the file")
     for kind, names in (("link", links), ("joint", [joint.get("name", "") for joint in joints])):
-        problems += [f"{kind} {n!r} appears twice" for n in sorted(set(names)) if names.count(n) > 1]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        problems += [f"{kind} {name!r} appears twice" for name in twice]
     if problems:
         raise ConfigError(path, problems)
-    hidden = [j for g in root.findall("gazebo") for j in g.iter("joint") if j.find("child") is not None]
+    hidden = [joint for block in root.findall("gazebo") for joint in block.iter("joint")]
     ends = _ends([*joints, *hidden, *root.findall("loop_joint")])
     for link, names in ends.items():
         if len(names) > 1:
@@ -134,15 +134,15 @@ def _cut_floating_base(root: ElementTree.Element, path: Path, notes: list[str]) 
         if kind not in ("floating", "planar"):
             continue
         parent = _end(joint, "parent")
-        above = [j for j in root.findall("joint") if _end(j, "child") == parent]
-        beside = [j for j in root.findall("joint") if j is not joint and _end(j, "parent") == parent]
-        if above or beside:
+        others = [other for other in root.findall("joint") if other is not joint]
+        if any(parent in (_end(other, "child"), _end(other, "parent")) for other in others):
             raise ConfigError(
                 path, f"joint {joint.get('name')}: a {kind} joint inside the robot cannot be moved"
             )
         root.remove(joint)
         root.remove(next(link for link in root.findall("link") if link.get("name") == parent))
-        notes.append(f"{kind} joint {joint.get('name')} and link {parent} left out: the base floats")
+        name = joint.get("name")
+        notes.append(f"{kind} joint {name} and link {parent} left out: the base floats anyway")
 
 
 def _end(joint: ElementTree.Element, tag: str) -> str:
@@ -172,9 +172,9 @@ def _bring_into_shape(joint: ElementTree.Element, source: Source) -> None:
         source.notes.append(f"prismatic joint {name} fixed at 0")
     elif name in source.mimics:
         mimic = joint.find("mimic")
-        offset = _number(mimic, "offset", 0.0)
+        offset, leader = _number(source, joint, mimic, "offset"), source.mimics[name]
         fix_joint(joint, offset)
-        source.notes.append(f"joint {name}, which mimics {source.mimics[name]}, fixed at {offset:g}")
+        source.notes.append(f"joint {name}, which mimics {leader}, fixed at {offset:g}")
     elif kind in ("revolute", "continuous"):
         _limit(joint, source)
     else:
@@ -185,16 +185,14 @@ def _limit(joint: ElementTree.Element, source: Source) -> None:
     name, limit = joint.get("name", ""), joint.find("limit")
     if limit is None:
         limit = ElementTree.SubElement(joint, "limit")
-    lower, upper = (_number(limit, key, 0.0) for key in ("lower", "upper"))
-    endless = joint.get("type") == "continuous" or limit.get("upper") is None is limit.get("lower")
-    if not (math.isfinite(lower) and math.isfinite(upper)):
-        endless = True
+    lower, upper = (_number(source, joint, limit, key) for key in ("lower", "upper"))
+    unlimited = limit.get("lower") is None and limit.get("upper") is None
+    endless = joint.get("type") == "continuous" or unlimited
     if lower > upper:
         lower, upper = upper, lower
         source.notes.append(f"joint {name}: limits [{upper:g}, {lower:g}] are reversed; swapped")
     if endless or max(-lower, upper) > WIDEST:
         lower, upper = -math.pi, math.pi
-        source.guessed_limits.add(name)
         source.notes.append(f"joint {name} turns without end; its range is cut to half a turn")
     elif upper - lower < LEAST_RANGE:
         fix_joint(joint, 0.5 * (lower + upper))
@@ -204,19 +202,26 @@ def _limit(joint: ElementTree.Element, source: Source) -> None:
     limit.set("lower", repr(lower))
     limit.set("upper", repr(upper))
     for key in ("effort", "velocity"):  # what is missing or no number is guessed later
-        value = _number(limit, key, 0.0)
+        value = _number(source, joint, limit, key)
         limit.set(key, repr(value if math.isfinite(value) else 0.0))
     for tag in ("mimic", "safety_controller", "calibration", "dynamics"):
         for element in joint.findall(tag):
             joint.remove(element)
 
 
-def _number(element: ElementTree.Element | None, key: str, default: float) -> float:
-    text = None if element is None else element.get(key)
+def _number(
+    source: Source, joint: ElementTree.Element, element: ElementTree.Element | None, key: str
+) -> float:
+    """An attribute of a joint's element; 0 where it is missing."""
+    text = "0" if element is None else element.get(key, "0")
     try:
-        return default if text is None else float(text)
+        value = float(text)
     except ValueError:
-        return math.nan
+        value = math.nan
+    if math.isnan(value):
+        name = joint.get("name", "")
+        raise ConfigError(source.path, f"joint {name}: {key} = {text!r} is no number")
+    return value
 
 
 def turn(source: Source, yaw: float) -> None:

@@ -115,9 +115,8 @@ def _limits(draft: Draft) -> list[str]:
         low = max(float(model.lowerPositionLimit[at]), angle - UPRIGHT)
         high = min(float(model.upperPositionLimit[at]), angle + UPRIGHT)
         lines.append(f"  {word(draft.skeleton.name(joint))}: [{low!r}, {high!r}]")
-    return ["limits:  # guess: a trunk near upright; widen for motions that bend it", *lines] * bool(
-        lines
-    )
+    heading = "limits:  # guess: a trunk near upright; widen for motions that bend it"
+    return [heading, *lines] if lines else []
 
 
 def _servo(figures: ServoFigures) -> str:
