@@ -93,6 +93,7 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
         "dt": 0.01,
         "walk": {
             "n_steps": 2,
+            "sizes": "given",
             "step_length": 0.0,
             "lateral": 0.0,
             "step_yaw": 0.0,

@@ -13,11 +13,14 @@ from typing import Any
 
 from mgs.contact import Side
 from mgs.gait import ComParameters, Gait, WalkGait, WalkParameters
+from mgs.legs import missing_turn
 from mgs.robot import Robot, leg_length
 
 GRAVITY = 9.81  # [m/s^2]
 STEP_LENGTH, STEP_HEIGHT, ZMP_TOLERANCE = 0.12, 0.04, 5e-4  # in leg lengths
 SINGLE_SUPPORT, DOUBLE_SUPPORT = 2.0, 2.4  # in sqrt(L / g)
+QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT = 1.2, 0.5  # where only the trunk can sway
+QUICK_PASSES = 8  # of the dynamic filter
 LANDING = 0.2  # part of a single support
 MARGIN = 0.5  # of the half width of a sole
 REST_AFTER_PREVIEW = 0.2  # [s]
@@ -42,11 +45,14 @@ def _walk_sizes(gait: WalkGait, robot: Robot) -> dict[str, Any]:
     time = math.sqrt(length / GRAVITY)
     usual = WalkParameters.model_fields["lead_in"].default
     rest = max(usual, gait.com.preview + REST_AFTER_PREVIEW)
+    quick = missing_turn(robot) == "roll"
+    single = QUICK_SINGLE_SUPPORT if quick else SINGLE_SUPPORT
+    double = QUICK_DOUBLE_SUPPORT if quick else DOUBLE_SUPPORT
     return {
         "step_length": round(STEP_LENGTH * length, DIGITS) if gait.walk.n_steps > 1 else 0.0,
         "step_height": round(STEP_HEIGHT * length, DIGITS),
-        "single_support": _whole(SINGLE_SUPPORT * time, gait.dt),
-        "double_support": _whole(DOUBLE_SUPPORT * time, gait.dt),
+        "single_support": _whole(single * time, gait.dt),
+        "double_support": _whole(double * time, gait.dt),
         "lead_in": rest,
         "lead_out": rest,
         "landing": LANDING,
@@ -55,8 +61,10 @@ def _walk_sizes(gait: WalkGait, robot: Robot) -> dict[str, Any]:
 
 def _com_sizes(robot: Robot) -> dict[str, Any]:
     width = min(min(robot.sole_spec(s).width, robot.sole_spec(s).length) for s in Side)
+    default = ComParameters.model_fields["passes"].default
     return {
         "generator": "qp",
+        "passes": QUICK_PASSES if missing_turn(robot) == "roll" else default,
         "margin": round(0.5 * MARGIN * width, DIGITS),
         "weight_jerk": 1e-4,
         "zmp_tolerance": round(ZMP_TOLERANCE * leg_length(robot), 6),

@@ -16,6 +16,7 @@ from mgs.contact import Footstep, Side, Support
 from mgs.errors import ConfigError, FootstepError
 from mgs.gait import WalkGait, WalkParameters
 from mgs.geometry import compose_planar, rectangle_gap, sole_corners
+from mgs.legs import missing_turn
 from mgs.motion_planner.motion_plan import MotionPlan, Phase
 from mgs.motion_planner.standing import standing_figures
 from mgs.robot import Robot, midpoint_width
@@ -28,6 +29,7 @@ def plan_walk(robot: Robot, gait: WalkGait) -> MotionPlan:
     """Footsteps and support phases of a walk; see `plan_motion` for the errors."""
     walk = gait.walk
     first_support = _first_support(walk)
+    _refuse_what_legs_lack(robot, walk)
     footsteps = plan_footsteps(walk, walk.step_width or midpoint_width(robot), first_support)
     _refuse_overlap(robot, footsteps, walk)
     _refuse_zmp_beside_sole(robot, walk)
@@ -44,6 +46,20 @@ def plan_walk(robot: Robot, gait: WalkGait) -> MotionPlan:
         hand_offsets=rest.hands - rest.com,
         torso=rest.torso,
     )
+
+
+def _refuse_what_legs_lack(robot: Robot, walk: WalkParameters) -> None:
+    """Raise ConfigError for steps that need a turn of the sole which the legs do not have."""
+    turn = missing_turn(robot)
+    keys = {"yaw": ("step_yaw",), "roll": ("lateral", "step_width", "step_yaw")}
+    for key in keys[turn] if turn is not None else ():
+        if getattr(walk, key):
+            joint = "hip yaw" if turn == "yaw" else "ankle roll"
+            raise ConfigError(
+                f"walk.{key}",
+                f"{getattr(walk, key):g} asks for a {joint}, which the legs of {robot.spec.name} "
+                "lack; leave it out",
+            )
 
 
 def plan_footsteps(walk: WalkParameters, width: float, first_support: Side) -> tuple[Footstep, ...]:
