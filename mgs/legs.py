@@ -3,8 +3,8 @@
 A leg places its sole against the pelvis, six coordinates. With five joints one combination stays
 out of reach: the left null vector of the leg's Jacobian. Without hip yaw it is a turn about the
 vertical, without ankle roll one about the forward axis. The sole keeps this turn by itself as long
-as the pelvis keeps upright (no hip yaw: all pitches add up to zero), or level and straight ahead (no
-ankle roll: legs stay parallel); therefore the IK holds the pelvis in place of the turn.
+as the pelvis keeps upright (no hip yaw: all pitches add up to zero), or level and straight ahead
+(no ankle roll: legs stay parallel); therefore the IK holds the pelvis in place of the turn.
 """
 
 from __future__ import annotations

@@ -45,9 +45,7 @@ class Biped:
             above = f"{name}_link"
         if self.arm or self.head or self.waist:
             parts.append(_fixed("chest_fixed", above, "chest", (0, 0, 0.1 * s)))
-            parts.append(
-                _link("chest", 8.0 * s, (0.12 * s, 0.25 * s, 0.3 * s), (0, 0, 0.15 * s))
-            )
+            parts.append(_link("chest", 8.0 * s, (0.12 * s, 0.25 * s, 0.3 * s), (0, 0, 0.15 * s)))
         for side, sign in (("left", 1), ("right", -1)) if self.arm else ():
             parts += self._arm(side, sign)
         above = "chest"

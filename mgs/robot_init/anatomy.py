@@ -54,13 +54,13 @@ def find_anatomy(skeleton: Skeleton, source: Source) -> Anatomy:
     shared = [a for a, b in zip(*paths, strict=False) if a == b]
     pelvis = shared[-1] if shared else BASE
     left, right = (path[len(shared) :] for path in paths)
+    _refuse_followers_in(left + right, source, skeleton)
     if len(left) != len(right):
         raise ConfigError(
             source.path,
             f"the legs differ: {len(left)} joints to {skeleton.name(feet[0])} and {len(right)} to "
             f"{skeleton.name(feet[1])}",
         )
-    _refuse_followers_in(left + right, source, skeleton)
     locked = {body: "toe" for foot in feet for body in skeleton.below(foot) if body != foot}
     for side in (left, right):  # what else hangs on a leg
         hanging = {body for joint in side for body in skeleton.below(joint)} - {*side}

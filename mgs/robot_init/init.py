@@ -127,13 +127,14 @@ def _read(urdf: Path, package_paths: tuple[Path, ...]) -> tuple[Source, Skeleton
 
 def _soles(skeleton: Skeleton, anatomy: Anatomy, source: Source) -> tuple[Sole, Sole]:
     for foot in anatomy.feet:
-        if not skeleton.surfaces[foot]:
+        bare = [body for body in skeleton.below(foot) if not skeleton.surfaces[body]]
+        if bare:
             lost = f" ({', '.join(skeleton.missing[:MOST_LISTED])})" if skeleton.missing else ""
             raise ConfigError(
                 source.path,
-                f"foot {skeleton.links[foot][0]} has no shape that could be read{lost}, its sole "
-                "is not known: give the folder of its meshes with --package-path, or the link a "
-                "collision box",
+                f"foot {skeleton.links[bare[-1]][0]} has no shape that could be read{lost}, its "
+                "sole is not known: give the folder of its meshes with --package-path, or the link "
+                "a collision box",
             )
     left, right = (find_sole(skeleton.points(f), skeleton.placements[f]) for f in anatomy.feet)
     return left, right
