@@ -49,6 +49,7 @@ def read_source(path: Path) -> Source:
     _cut_floating_base(root, path, notes)
     leaders = {mimic.get("joint", "") for mimic in root.iter("mimic")}
     source = Source(path, root, _mimics(root), leaders, notes=notes)
+    _refuse_malformed(source)
     for joint in root.findall("joint"):
         _bring_into_shape(joint, source)
     return source
@@ -125,6 +126,30 @@ def _refuse_loops(root: ElementTree.Element, path: Path) -> None:
         problems.append(f"{len(roots)} root links ({', '.join(roots[:5])}), one is needed")
     if problems:
         raise ConfigError(path, problems)
+
+
+def _refuse_malformed(source: Source) -> None:
+    """Raise ConfigError for places and axes that are not three numbers, which no parser names."""
+    problems = []
+    for part in (*source.root.findall("joint"), *source.root.findall("link")):
+        for element in part.iter():
+            for key in ("xyz", "rpy"):
+                text = element.get(key)
+                if text is not None and not _is_triple(text):
+                    problems.append(
+                        f"{part.tag} {part.get('name')}: {element.tag} {key} = {text!r} is not "
+                        "three numbers"
+                    )
+    if problems:
+        raise ConfigError(source.path, problems)
+
+
+def _is_triple(text: str) -> bool:
+    try:
+        values = [float(word) for word in text.split()]
+    except ValueError:
+        return False
+    return len(values) == 3 and all(math.isfinite(value) for value in values)
 
 
 def _cut_floating_base(root: ElementTree.Element, path: Path, notes: list[str]) -> None:

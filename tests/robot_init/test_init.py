@@ -261,6 +261,10 @@ REFUSED = {
         Biped(extra=[STRAY]),
         "joint x: its parent is no link",
     ),
+    "a place that is no place": (
+        Biped().urdf().replace('xyz="0.0 0.0 -0.315"', 'xyz="0.0 0.0, -0.315"', 1),
+        "left_knee_pitch: origin xyz = '0.0 0.0, -0.315' is not three numbers",
+    ),
     "a limit that is no number": (
         Biped().urdf().replace('lower="0.0"', 'lower="low"', 1),
         "left_knee_pitch: lower = 'low' is no number",
