@@ -27,8 +27,7 @@ def main() -> None:
     print("| --- | --- | --- | --- | ---: | ---: | ---: | ---: |")
     for name in names:
         gait = load_gait(name)
-        assert gait.robot is not None
-        motion = generate_motion(load_robot(gait.robot), gait, name).motion
+        motion = generate_motion(load_robot(gait.robot or "melson"), gait, name).motion
         for servo in SERVOS:
             pybullet = replay(motion, "pybullet", servo=servo)
             mujoco = replay(motion, "mujoco", servo=servo)

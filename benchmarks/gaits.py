@@ -37,8 +37,7 @@ def main() -> None:
         print("| --- " * (5 + len(engines)) + "|")
     for name in names:
         gait = load_gait(name)
-        assert gait.robot is not None
-        motion = generate_motion(load_robot(gait.robot), gait, name).motion
+        motion = generate_motion(load_robot(gait.robot or "melson"), gait, name).motion
         if arguments.settings:
             print_settings(name, motion, engines)
         else:

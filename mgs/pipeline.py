@@ -18,7 +18,7 @@ from mgs.gait import ComParameters, Gait, KickGait, SequenceGait, SingleGait, Zm
 from mgs.geometry import quintic, slerp
 from mgs.ik_solver import JointTrajectory, refuse_speed, solve_ik
 from mgs.motion import Motion
-from mgs.motion_planner import MotionPlan, plan_motion
+from mgs.motion_planner import MotionPlan, for_robot, plan_motion
 from mgs.robot import FLOATING_BASE_NQ, Robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 
@@ -68,6 +68,7 @@ def generate(
     if isinstance(gait, SequenceGait):
         raise TypeError("a sequence is what mgs.sequence.generate_motion is for")
     seconds: dict[str, float] = {}
+    gait = for_robot(gait, robot)
     plan = _timed(seconds, "motion_planner", lambda: plan_motion(robot, gait))
     tasks = _timed(seconds, "trajectory_planner", lambda: plan_trajectories(plan))
     if not gait.is_balanced:

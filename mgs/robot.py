@@ -27,14 +27,19 @@ MAX_LENGTH, MAX_MASS, MAX_ANGLE = 10.0, 1e4, 100.0  # [m], [kg], [rad]; beyond: 
 Coordinate = Annotated[float, Field(ge=-MAX_LENGTH, le=MAX_LENGTH)]
 Vector3 = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
 Angle = Annotated[float, Field(ge=-MAX_ANGLE, le=MAX_ANGLE)]
+Rotation = Annotated[list[Angle], Field(min_length=3, max_length=3)]
 Range = Annotated[list[Angle], Field(min_length=2, max_length=2)]
 
 
 class FrameSpec(Model):
-    """A frame in a link, axes parallel to the link's."""
+    """A frame in a link."""
 
     link: str
     position: Vector3 = Field([0.0, 0.0, 0.0], description="Origin in the link frame [m].")
+    rpy: Rotation = Field(
+        [0.0, 0.0, 0.0],
+        description="Roll, pitch and yaw of its axes in the link frame [rad]; 0: parallel.",
+    )
 
 
 class SoleSpec(FrameSpec):
@@ -120,7 +125,9 @@ class RobotSpec(Model):
     base_link: str = Field(description="Link that carries the floating base.")
     torso: FrameSpec
     soles: SolePair
-    hands: PairOf
+    hands: PairOf | None = Field(
+        None, description="Of a robot with arms; without, nothing is ever asked of hands."
+    )
     posture: dict[str, float] = Field(
         description="Half-sitting posture [rad]; joints not named stand at 0."
     )
@@ -160,7 +167,7 @@ class Robot:
     armature: Array  # [kg m^2]
     posture: Array  # half-sitting joint angles [rad]
     sole_frames: tuple[int, int]  # ids in `model`, left and right
-    hand_frames: tuple[int, int]
+    hand_frames: tuple[int, int]  # of a robot without hands both are the torso's
     torso_frame: int
 
     @property
@@ -258,10 +265,8 @@ def build_robot(yaml_text: str, urdf_text: str, source: str | Path) -> Robot:
         _add_frame(model, f"sole_{side.label}", frame)
         for side, frame in zip(Side, (spec.soles.left, spec.soles.right), strict=True)
     )
-    hands = tuple(
-        _add_frame(model, f"hand_{side.label}", frame)
-        for side, frame in zip(Side, (spec.hands.left, spec.hands.right), strict=True)
-    )
+    torso = _add_frame(model, "torso_frame", spec.torso)
+    hands = _add_hands(model, spec) or (torso, torso)
     return Robot(
         spec=spec,
         source=str(source),
@@ -277,8 +282,8 @@ def build_robot(yaml_text: str, urdf_text: str, source: str | Path) -> Robot:
         armature=np.array([servo.armature for servo in servos]),
         posture=posture,
         sole_frames=(soles[0], soles[1]),
-        hand_frames=(hands[0], hands[1]),
-        torso_frame=_add_frame(model, "torso_frame", spec.torso),
+        hand_frames=hands,
+        torso_frame=torso,
     )
 
 
@@ -307,13 +312,14 @@ def _check_names(
             problems.append(f"{spec.urdf}: joint {name} is not a revolute joint with limits")
         if name in model.names[:2]:  # its link would be welded to the floating base
             problems.append(f"{spec.urdf}: joint {name}: a name taken by Pinocchio; rename it")
-    for key, frame in (
-        ("torso", spec.torso),
-        ("soles.left", spec.soles.left),
-        ("soles.right", spec.soles.right),
-        ("hands.left", spec.hands.left),
-        ("hands.right", spec.hands.right),
-    ):
+    frames: dict[str, FrameSpec] = {
+        "torso": spec.torso,
+        "soles.left": spec.soles.left,
+        "soles.right": spec.soles.right,
+    }
+    if spec.hands is not None:
+        frames |= {"hands.left": spec.hands.left, "hands.right": spec.hands.right}
+    for key, frame in frames.items():
         check_link(f"{key}.link", frame.link)
     check_link("base_link", spec.base_link)
     if not problems and model.frames[model.getBodyId(spec.base_link)].parentJoint != 1:
@@ -389,9 +395,17 @@ def _check_joint(
 
 def _add_frame(model: pin.Model, name: str, spec: FrameSpec) -> int:
     body = model.frames[model.getBodyId(spec.link)]
-    placement = body.placement * pin.SE3(np.eye(3), np.array(spec.position))
+    inside = pin.SE3(pin.rpy.rpyToMatrix(*spec.rpy), np.array(spec.position))
+    placement = body.placement * inside
     frame = pin.Frame(name, body.parentJoint, model.getBodyId(spec.link), placement, pin.OP_FRAME)
     return int(model.addFrame(frame))
+
+
+def _add_hands(model: pin.Model, spec: RobotSpec) -> tuple[int, int] | None:
+    if spec.hands is None:
+        return None
+    left = _add_frame(model, "hand_left", spec.hands.left)
+    return left, _add_frame(model, "hand_right", spec.hands.right)
 
 
 def _collision_pairs(robot: Robot) -> pin.GeometryModel:
@@ -425,11 +439,18 @@ def midpoint_width(robot: Robot) -> float:
     return float(math.hypot(*(left - right)[:2]))
 
 
+def leg_joints(robot: Robot, side: Side) -> list[int]:
+    """Pinocchio's joints of a leg, from the first that the other leg does not share to the sole."""
+    own, other = (
+        [int(joint) for joint in robot.model.supports[robot.model.frames[frame].parentJoint]]
+        for frame in (robot.sole_frames[side], robot.sole_frames[side.other])
+    )
+    return [joint for joint in own if joint not in other]
+
+
 def leg_length(robot: Robot) -> float:
     """Length of the left leg stretched [m]: along its joints, from the first one to the sole."""
-    model, frame = robot.model, robot.model.frames[robot.sole_frames[Side.LEFT]]
-    joint, length = frame.parentJoint, float(np.linalg.norm(frame.placement.translation))
-    while model.parents[joint] != 1:  # 1 is the floating base
-        length += float(np.linalg.norm(model.jointPlacements[joint].translation))
-        joint = model.parents[joint]
-    return length
+    frame = robot.model.frames[robot.sole_frames[Side.LEFT]]
+    steps = [robot.model.jointPlacements[j].translation for j in leg_joints(robot, Side.LEFT)[1:]]
+    steps.append(frame.placement.translation)
+    return float(sum(np.linalg.norm(step) for step in reversed(steps)))

@@ -9,8 +9,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from mgs.contact import Side
+from mgs.errors import ConfigError
 from mgs.geometry import convex_hull, polygon_margins, sole_corners
-from mgs.robot import FLOATING_BASE_NQ, Robot
+from mgs.legs import missing_turn
+from mgs.robot import FLOATING_BASE_NQ, Robot, leg_joints, leg_length
 
 Array = NDArray[np.float64]
 
@@ -38,6 +40,7 @@ def check_robot(robot: Robot) -> list[Finding]:
     corners = np.array([_sole_corners(robot, data, side) for side in Side])
     return [
         _inertias(robot),
+        _legs(robot),
         _symmetry(robot),
         _limits(robot),
         _soles_level(corners),
@@ -66,6 +69,23 @@ def _inertias(robot: Robot) -> Finding:
         f"mass {robot.mass:.3f} kg" + (f"; not physical: {', '.join(bad)}" if bad else ""),
         "give these bodies a positive mass and inertias of which any two exceed the third",
     )
+
+
+def _legs(robot: Robot) -> Finding:
+    """Whether legs can keep their soles level; tells what walks have to do without."""
+    n, length = len(leg_joints(robot, Side.LEFT)), leg_length(robot)
+    remedy = "six joints place a sole anywhere; of five, hip yaw or ankle roll may be missing"
+    try:
+        turn = missing_turn(robot)
+    except ConfigError as error:
+        return Finding("legs", False, error.problems[0], remedy)
+    lack = {
+        None: "",
+        "yaw": "; no hip yaw: no turns, the pelvis is kept upright instead, clik only",
+        "roll": "; no ankle roll: the pelvis is kept level, so that waist and arms have to bring "
+        "the CoM over a sole, clik only",
+    }
+    return Finding("legs", True, f"{n} joints, {length:.3f} m stretched{lack[turn]}", remedy)
 
 
 def _symmetry(robot: Robot) -> Finding:

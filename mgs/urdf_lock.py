@@ -43,7 +43,7 @@ def lock_joints(urdf: str, angles: Mapping[str, float], source: str, urdf_name: 
         if problem:
             problems.append(f"locked.{name}: {problem}")
         elif joints[name].get("type") != "fixed":
-            _fix(joints[name], angle)
+            fix_joint(joints[name], angle)
             changed = True
     if problems:
         raise ConfigError(source, problems)
@@ -82,7 +82,7 @@ def _placed(joint: ElementTree.Element, angle: float) -> NDArray[np.float64]:
     return np.asarray(pin.rpy.matrixToRpy(R_origin @ pin.exp3(angle / norm * axis)))
 
 
-def _fix(joint: ElementTree.Element, angle: float) -> None:
+def fix_joint(joint: ElementTree.Element, angle: float) -> None:
     """Make a joint a fixed one, turned by an angle [rad] about its axis."""
     rpy = _placed(joint, angle)
     origin = joint.find("origin")

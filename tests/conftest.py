@@ -10,6 +10,7 @@ from hypothesis import settings
 
 from mgs.gait import Gait, list_gaits, load_gait
 from mgs.motion import Motion
+from mgs.motion_planner import for_robot
 from mgs.pipeline import Stages, generate
 from mgs.robot import Robot, load_robot
 from mgs.sequence import generate_motion
@@ -75,4 +76,5 @@ def shipped_walk(request: pytest.FixtureRequest) -> Generated:
 def generated(name: str) -> Generated:
     gait = load_gait(name)
     robot = load_robot(gait.robot or "melson")
+    gait = for_robot(gait, robot)
     return Generated(robot, gait, generate(robot, gait, name))

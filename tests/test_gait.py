@@ -96,6 +96,7 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
             "steps": None,
             "footsteps": None,
             "goal": None,
+            "sizes": "given",
             "step_length": 0.0,
             "lateral": 0.0,
             "step_yaw": 0.0,

@@ -1,10 +1,12 @@
-"""mgs robot list, show and check."""
+"""mgs robot list, show, check and init."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
-from mgs.cli.common import json_option, print_json
+from mgs.cli.common import force_option, json_option, print_json
 
 
 @click.group()
@@ -14,6 +16,7 @@ def robot() -> None:
     \b
     Examples:
       mgs robot list
+      mgs robot init some.urdf -o robots/mine
       mgs robot check robots/mine
     """  # noqa: D301
 
@@ -105,3 +108,79 @@ def check(ctx: click.Context, name: str, as_json: bool) -> None:
             if not finding.ok:
                 click.echo(f"     remedy: {finding.remedy}")
     ctx.exit(0 if all(finding.ok for finding in findings) else 1)
+
+
+@robot.command()
+@click.argument("urdf", metavar="URDF", type=click.Path(dir_okay=False, path_type=Path))
+@click.option(
+    "-o", "--output", "folder", required=True, metavar="DIR",
+    type=click.Path(file_okay=False, path_type=Path), help="Robot folder to write.",
+)  # fmt: skip
+@click.option(
+    "--package-path", "package_paths", metavar="DIR", multiple=True,
+    type=click.Path(exists=True, file_okay=False, path_type=Path),
+    help="Where packages named in package:// are; may be repeated.",
+)  # fmt: skip
+@click.option("--name", metavar="NAME", help="Name of the robot; default: the URDF's.")
+@force_option
+@json_option
+def init(
+    urdf: Path,
+    folder: Path,
+    package_paths: tuple[Path, ...],
+    name: str | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Draft a robot folder from a humanoid's URDF.
+
+    Legs, soles, hands, posture and servo figures are guessed from the file and marked as guesses.
+    Writes robot.urdf (a cleaned copy without meshes), robot.yaml and README.md.
+
+    \b
+    Examples:
+      mgs robot init some.urdf -o robots/mine
+      mgs robot init some.urdf -o robots/mine --package-path ~/ros/src
+    """  # noqa: D301
+    from dataclasses import asdict
+
+    from mgs.robot_checks import check_robot
+    from mgs.robot_init import init_robot, write_robot
+
+    draft = init_robot(urdf, name, package_paths)
+    write_robot(draft, folder, force)
+    found = draft.robot
+    findings = check_robot(found)
+    soles = {
+        side: [spec.length, spec.width]
+        for side, spec in (("left", found.spec.soles.left), ("right", found.spec.soles.right))
+    }
+    if as_json:
+        print_json(
+            {
+                "folder": str(folder),
+                "robot": found.spec.name,
+                "mass": found.mass,
+                "soles": soles,
+                "groups": found.spec.groups,
+                "locked": sorted(found.spec.locked),
+                "notes": draft.notes,
+                "findings": [asdict(finding) for finding in findings],
+            }
+        )
+        return
+    click.echo(
+        f"{click.format_filename(folder)}\n"
+        f"  robot   {found.spec.name}, {found.n} joints, {found.mass:.2f} kg\n"
+        f"  soles   {1e3 * soles['left'][0]:.0f} x {1e3 * soles['left'][1]:.0f} mm"
+    )
+    for group, joints in found.spec.groups.items():
+        click.echo(f"  {group:9s} {', '.join(joints)}")
+    if found.spec.locked:
+        click.echo(f"  locked    {', '.join(sorted(found.spec.locked))}")
+    for note in draft.notes:
+        click.echo(f"  note      {note}")
+    for finding in findings:
+        if not finding.ok:
+            click.echo(f"  FAIL      {finding.name}: {finding.figure}")
+            click.echo(f"            {finding.remedy}")

@@ -13,15 +13,16 @@ from mgs.errors import ConfigError
 def find_gait(name_or_path: str | Path, folder: Path | None = None) -> Path:
     """Path of a gait given by path or shipped name; raises ConfigError listing what ships.
 
-    A path is relative to `folder`; None: to the working directory.
+    A path is relative to `folder`; None: to the working directory. Gaits for any robot, those of
+    the shipped folder `generic`, may be called by their last name alone.
     """
     path = (folder or Path()) / name_or_path
     if is_file(path):
         return path
     shipped = shipped_folder("gaits")
-    named = shipped / f"{name_or_path}.yaml"
-    if is_file(named) and shipped in named.resolve().parents:
-        return named
+    for named in (shipped / f"{name_or_path}.yaml", shipped / "generic" / f"{name_or_path}.yaml"):
+        if is_file(named) and shipped in named.resolve().parents:
+            return named
     names = ", ".join(list_gaits())
     raise ConfigError(name_or_path, f"no such file and no gait of that name; shipped: {names}")
 

@@ -77,6 +77,11 @@ class WalkParameters(Model):
         description="Where to go; step_length, lateral and step_yaw are then the largest steps, "
         "0: from the length of the legs.",
     )
+    sizes: Literal["given", "robot"] = Field(
+        "given",
+        description="robot: lengths and times left out here, and those of com, are derived from "
+        "the robot's leg length and soles.",
+    )
     step_length: Length = Field(
         0.0, description="Advance of the swing sole past the support sole [m]; negative: backward."
     )

@@ -134,8 +134,9 @@ class _Run:
         self.middle = 0.5 * (robot.upper + robot.lower)
         self.angles = np.empty((tasks.n_samples, robot.n))
         self.updates = 0
-        self.A = np.empty((N_TASKS, N_TASKS))
-        self.diagonal = self.A.ravel()[:: N_TASKS + 1]  # a view
+        self.m = self.trees[0].n_rows
+        self.A = np.empty((self.m, self.m))
+        self.diagonal = self.A.ravel()[:: self.m + 1]  # a view
 
     def follow(self, progress: Callable[[int, int], None] | None) -> JointTrajectory:
         """Walk through the spans that stand on one sole, since each has its own tree."""
@@ -162,10 +163,12 @@ class _Run:
     ) -> Array:
         """Fill `angles` from sample `start`, beginning at q (n,); remaining task errors (m, 15)."""
         middle, inverse_range2 = self.middle[tree.order], self.inverse_range2[tree.order]
-        advance = np.nan_to_num(_task_steps(positions, rotations))  # NaN: nothing is asked
-        path, errors = np.empty((len(positions), len(q))), np.empty((len(positions), N_TASKS))
+        advance = np.zeros((len(positions), self.m))
+        advance[:, :N_TASKS] = np.nan_to_num(_task_steps(positions, rotations))  # NaN: free
+        advance[:, tree.held_rows] = 0.0
+        path, errors = np.empty((len(positions), len(q))), np.empty((len(positions), self.m))
         tree.update(q)
-        error = np.empty(N_TASKS)  # t[k] - f(q[k]), then t[k + 1] - f(q[k]) = that + advance
+        error = np.empty(self.m)  # t[k] - f(q[k]), then t[k + 1] - f(q[k]) = that + advance
         tree.error(positions[0], rotations[0], error)
         for i in range(len(positions)):
             k = start + i
@@ -205,7 +208,7 @@ class _Run:
 
     def _start(self, tree: TreeTasks, q: Array, positions: Array, rotation: Array) -> None:
         """Bring q (n,) from the half-sitting posture onto the tasks of the first sample."""
-        error = np.empty(N_TASKS)
+        error = np.empty(self.m)
         for _ in range(MAX_START_UPDATES):
             tree.update(q)
             tree.error(positions, rotation, error)

@@ -8,13 +8,14 @@ from typing import Protocol
 import numpy as np
 
 from mgs.com_generator import ComTrajectory
-from mgs.errors import InfeasibleGaitError
+from mgs.errors import ConfigError, InfeasibleGaitError
 from mgs.gait import IkParameters
 from mgs.ik_solver.clik import ClosedLoopIk
 from mgs.ik_solver.faraji import FarajiIk
 from mgs.ik_solver.joint_trajectory import JointTrajectory
 from mgs.ik_solver.prioritized import PrioritizedIk
 from mgs.ik_solver.trajectory import TrajectoryIk
+from mgs.legs import missing_turn
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
 
@@ -63,7 +64,19 @@ def solve_ik(
     parameters: IkParameters,
     progress: Progress | None = None,
 ) -> JointTrajectory:
-    """Stage 4: joint angles that meet the tasks; see `IkSolver.solve` for the errors."""
+    """Stage 4: joint angles that meet the tasks; see `IkSolver.solve` for the errors.
+
+    Raises:
+        ConfigError: as well as the solver's own, where legs lack a turn of the sole that only clik
+            does without.
+    """
+    turn = missing_turn(robot)
+    if turn is not None and parameters.solver != "clik":
+        raise ConfigError(
+            "ik.solver",
+            f"{parameters.solver} needs legs that turn their soles in {turn}, which those of "
+            f"{robot.spec.name} cannot; use clik",
+        )
     solver = SOLVERS[parameters.solver].from_parameters(parameters)
     try:
         return solver.solve(robot, tasks, com, progress)

@@ -2,5 +2,6 @@
 
 from mgs.motion_planner.motion_plan import MotionPlan, Phase
 from mgs.motion_planner.plan import plan_motion
+from mgs.motion_planner.scaling import for_robot
 
-__all__ = ["MotionPlan", "Phase", "plan_motion"]
+__all__ = ["MotionPlan", "Phase", "for_robot", "plan_motion"]

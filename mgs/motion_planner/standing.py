@@ -14,6 +14,7 @@ from mgs.robot import Robot, midpoint_width
 
 Array = NDArray[np.float64]
 STRETCH = 0.97  # of a straight leg that is made use of
+LEAST_ARM_JOINTS = 3  # that can place a hand anywhere about a point
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +22,7 @@ class StandingFigures:
     """World frame, origin on the ground midway between the soles."""
 
     com: Array  # (3,) [m]
-    hands: Array  # (2, 3) left and right [m]; NaN: it cannot be moved against the torso
+    hands: Array  # (2, 3) left and right [m]; NaN: it cannot be moved freely against the torso
     torso: Array  # (4,) quaternion xyzw
 
 
@@ -31,9 +32,11 @@ def standing_figures(robot: Robot) -> StandingFigures:
     pin.framesForwardKinematics(robot.model, data, robot.standing_q)
     com = pin.centerOfMass(robot.model, data, robot.standing_q, False).copy()
     hands = np.array([data.oMf[frame].translation for frame in robot.hand_frames])
-    torso_joint = robot.model.frames[robot.torso_frame].parentJoint
+    supports, frames = robot.model.supports, robot.model.frames
+    trunk = set(supports[frames[robot.torso_frame].parentJoint])
     for side, frame in enumerate(robot.hand_frames):
-        if robot.model.frames[frame].parentJoint == torso_joint:
+        arm = set(supports[frames[frame].parentJoint]) - trunk
+        if len(arm) < LEAST_ARM_JOINTS:
             hands[side] = np.nan
     torso = pin.Quaternion(data.oMf[robot.torso_frame].rotation).coeffs()
     return StandingFigures(com, hands, np.array(torso))

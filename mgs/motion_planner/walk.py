@@ -11,6 +11,7 @@ from mgs.contact import Footstep, Side, Support
 from mgs.errors import ConfigError, FootstepError
 from mgs.gait import WalkGait, WalkParameters
 from mgs.geometry import rectangle_gap
+from mgs.legs import missing_turn
 from mgs.motion_planner.footsteps import first_support_of, plan_footsteps
 from mgs.motion_planner.goal import StepLimits
 from mgs.motion_planner.motion_plan import MotionPlan, Phase
@@ -25,6 +26,7 @@ from mgs.motion_planner.terrain import (
 from mgs.robot import Robot, leg_length, midpoint_width
 from mgs.scene import Box, Scene
 
+ROUNDING = 1e-9  # [rad]
 MIN_PHASE_SAMPLES = 5  # below this a quintic is no longer sampled
 # Of the largest step on the way to a goal, where the gait says nothing.
 STEP_LENGTH, STEP_LATERAL, STEP_YAW = 0.18, 0.1, 0.2  # of the leg's length; [rad]
@@ -36,6 +38,7 @@ def plan_walk(robot: Robot, gait: WalkGait) -> MotionPlan:
     width = walk.step_width or midpoint_width(robot)
     limits = _step_limits(robot, walk, width)
     level = plan_footsteps(walk, width, first_support_of(walk), limits)
+    _refuse_what_legs_lack(robot, walk, level)
     _refuse_overlap(robot, level, walk)
     _refuse_zmp_beside_sole(robot, walk)
     boxes = tuple(Box(**box.model_dump()) for box in walk.boxes)
@@ -73,6 +76,30 @@ def _step_limits(robot: Robot, walk: WalkParameters, width: float) -> StepLimits
         inward=max(min(lateral, 0.5 * free), 1e-3),
         yaw=abs(walk.step_yaw) or STEP_YAW,
     )
+
+
+def _refuse_what_legs_lack(
+    robot: Robot, walk: WalkParameters, footsteps: tuple[Footstep, ...]
+) -> None:
+    """Raise ConfigError for steps that need a turn of the sole which the legs do not have."""
+    turn = missing_turn(robot)
+    keys = {"yaw": ("step_yaw",), "roll": ("lateral", "step_width", "step_yaw")}
+    for key in keys[turn] if turn is not None else ():
+        if getattr(walk, key):
+            joint = "hip yaw" if turn == "yaw" else "ankle roll"
+            raise ConfigError(
+                f"walk.{key}",
+                f"{getattr(walk, key):g} asks for a {joint}, which the legs of {robot.spec.name} "
+                "lack; leave it out",
+            )
+    for number, footstep in enumerate(footsteps if turn is not None else ()):
+        aside = turn == "roll" and footstep.y != footsteps[footstep.side].y
+        if aside or abs(footstep.yaw) > ROUNDING:
+            raise ConfigError(
+                "walk",
+                f"footstep {number} turns or goes aside, for which the legs of {robot.spec.name} "
+                "lack a joint; walk straight ahead or back",
+            )
 
 
 def _refuse_overlap(robot: Robot, footsteps: tuple[Footstep, ...], walk: WalkParameters) -> None:

@@ -15,7 +15,7 @@ from tests.cli.run import SHORT_WALK, files_below, run
 MELSON = shipped_folder("robots") / "melson"
 YAML = (MELSON / "robot.yaml").read_text()
 URDF = (MELSON / "robot.urdf").read_text()
-FINDINGS = ["inertias", "symmetry", "limits", "soles_level", "balance", "collisions"]
+FINDINGS = ["inertias", "legs", "symmetry", "limits", "soles_level", "balance", "collisions"]
 
 
 def write_robot(folder: Path, yaml_text: str | bytes = YAML, urdf: str | bytes = URDF) -> Path:

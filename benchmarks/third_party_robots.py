@@ -1,0 +1,137 @@
+"""Humanoids that nobody drew for mgs: init, check, generate, validate, and what fails why.
+
+pip install "mgs[robots]"   brings the first two packages; the others are looked for as well
+python benchmarks/third_party_robots.py [-o DIR] [--path SITE_PACKAGES] [NAME ...]
+
+Every step is the command as a user types it, nothing is edited in between. Prints the Markdown
+table of docs/robots.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+DATA = "cmeel.prefix/share/example-robot-data/robots"
+FOURIER = "fourier_robot_descriptions/assets/urdf"
+ROBOTS = {  # by package: example-robot-data, icub-models, fourier-robot-descriptions, others
+    "TALOS": f"{DATA}/talos_data/robots/talos_reduced.urdf",
+    "TALOS, fingers": f"{DATA}/talos_data/robots/talos_full_v2.urdf",
+    "Romeo": f"{DATA}/romeo_description/urdf/romeo_small.urdf",
+    "Romeo, fingers": f"{DATA}/romeo_description/urdf/romeo.urdf",
+    "Unitree G1": f"{DATA}/g1_description/urdf/g1_29dof_rev_1_0.urdf",
+    "Unitree G1, fingers": f"{DATA}/g1_description/urdf/g1_29dof_with_hand_rev_1_0.urdf",
+    "Alexander, legs": f"{DATA}/alexander_description/urdf/alexander_v1.lowerBodyOnly.urdf",
+    "iCub (example-robot-data)": f"{DATA}/icub_description/robots/icub.urdf",
+    "iCub 2.5": "share/iCub/robots/iCubGazeboV2_5/model.urdf",
+    "iCub 2.7": "share/iCub/robots/iCubGazeboV2_7/model.urdf",
+    "iCub Genova11": "share/iCub/robots/iCubGenova11/model.urdf",
+    "Fourier GR1-T1": f"{FOURIER}/gr1t1.urdf",
+    "Fourier GR1-T2, fingers": f"{FOURIER}/gr1t2_fourier_hand_6dof.urdf",
+    "Fourier GR2": f"{FOURIER}/gr2t2.urdf",
+    "Fourier GR3": f"{FOURIER}/gr3.urdf",
+    "Qinglong": f"{FOURIER}/qinglong.urdf",
+    "JVRC-1": "jvrc_description/urdf/jvrc1.urdf",
+    "ARMAR-4": "armar/description/urdf/armar4.urdf",
+    "simple_humanoid": f"{DATA}/simple_humanoid_description/urdf/simple_humanoid.urdf",
+    "human": f"{DATA}/human_description/robots/human.urdf",
+    "Alex, upper body": f"{DATA}/alex_description/urdf/alex_nub_hands.urdf",
+    "ARMAR-6": "armar/description/urdf/armar6.urdf",
+    "TIAGo": f"{DATA}/tiago_description/robots/tiago.urdf",
+    "ANYmal": f"{DATA}/anymal_b_simple_description/robots/anymal.urdf",
+    "Bolt": f"{DATA}/bolt_description/robots/bolt.urdf",
+    "Cassie": f"{DATA}/cassie_description/robots/cassie_v2.sdf",
+}
+COMMAND = [sys.executable, "-c", "from mgs.cli import main; main()"]
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("names", nargs="*", help="robots; default: all")
+    parser.add_argument("-o", "--output", type=Path, help="keep the robot folders and motions here")
+    parser.add_argument("--path", type=Path, action="append", default=[], help="of packages")
+    arguments = parser.parse_args()
+    folders = [*arguments.path, *(Path(entry) for entry in sys.path if entry)]
+    print("| robot | joints | mass | sole | walk | PyBullet | MuJoCo | verdict |")
+    print("| --- | ---: | ---: | --- | --- | --- | --- | --- |")
+    with tempfile.TemporaryDirectory() as scratch:
+        output = arguments.output or Path(scratch)
+        for name in arguments.names or ROBOTS:
+            urdf = find(ROBOTS[name], folders)
+            cells = ["", "", "", "", "", "", "not installed"]
+            if urdf is not None:
+                cells = walked(urdf, output / urdf.parent.parent.name / urdf.stem)
+            print(f"| {name} | {' | '.join(cells)} |", flush=True)
+
+
+def find(path: str, folders: list[Path]) -> Path | None:
+    """The first of the folders that has the file; prefixes of sys.path as well."""
+    for folder in folders:
+        for root in (folder, *list(folder.parents)[:3]):
+            if (root / path).is_file():
+                return root / path
+    return None
+
+
+def walked(urdf: Path, folder: Path) -> list[str]:
+    """Cells of one robot, from its joints to the verdict."""
+    code, text = run("robot", "init", str(urdf), "-o", str(folder), "--force", "--json")
+    if code:
+        return ["", "", "", "", "", "", f"refused: {reason(text, urdf)}"]
+    found = json.loads(text)
+    joints = json.loads(run("robot", "show", str(folder), "--json")[1])["joints"]
+    length, width = found["soles"]["left"]
+    cells = [str(len(joints)), f"{found['mass']:.1f} kg", f"{1e3 * length:.0f} x {1e3 * width:.0f}"]
+    _, text = run("robot", "check", str(folder), "--json")
+    unsound = [f["name"] for f in json.loads(text)["findings"] if not f["ok"]]
+    told = f"check: {', '.join(unsound)}; " if unsound else ""
+    motion = folder / "walk.mcap"
+    code, text = run("generate", "walk", "--robot", str(folder), "-o", str(motion), "--force")
+    if code:
+        return [*cells, "", "", "", f"{told}not generated: {reason(text, urdf)}"]
+    return [*cells, *validated(motion, told)]
+
+
+def validated(motion: Path, told: str) -> list[str]:
+    """Walk, both engines, verdict."""
+    _, text = run("validate", str(motion), "--json")
+    if not text.startswith("{"):
+        return ["", "", "", f"{told}not simulated: {reason(text, motion)}"]
+    verdict = json.loads(text)
+    fates = {r["engine"]: fate(r) for r in verdict["replays"]}
+    planned = verdict["replays"][0]["planned_distance"][0] if verdict["replays"] else 0.0
+    failed = [
+        f"{c['name']} {c['value']:.3g} of {c['limit']:.3g} {c['unit']} ({c['where']})"
+        for c in verdict["checks"]
+        if not c["ok"]
+    ]
+    end = "passes" if not failed else f"fails: {'; '.join(failed)}"
+    engines = [fates.get(engine, "") for engine in ("pybullet", "mujoco")]
+    return [f"{planned:.2f} m", *engines, f"{told}{end}"]
+
+
+def fate(replay: dict[str, float]) -> str:
+    """Stays up, or when it fell."""
+    return f"fell at {replay['fall_time']:.1f} s" if replay["fell"] else "stays up"
+
+
+def run(*arguments: str) -> tuple[int, str]:
+    """Exit code and output of an mgs command; its errors where it failed."""
+    done = subprocess.run([*COMMAND, *arguments], capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout or done.stderr
+
+
+def reason(text: str, file: Path) -> str:
+    """The message of a command that failed, without file names."""
+    lines = [line for line in text.splitlines() if line.startswith("Error:")]
+    message = (lines or text.splitlines() or ["no message"])[-1].removeprefix("Error:").strip()
+    return message.replace(f"{file}: ", "").replace("|", "/")
+
+
+if __name__ == "__main__":
+    main()

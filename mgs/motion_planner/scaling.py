@@ -1,0 +1,81 @@
+"""Sizes and times of a walk for the robot that walks it.
+
+Walks of robots of different size look alike when lengths go with the leg length L and times with
+sqrt(L / g) (equal Froude numbers v^2 / (g L); Alexander, "The gaits of bipedal and quadrupedal
+animals", Int. J. Robotics Research 3(2), 1984). The factors below make a slow walk: Froude number
+0.0007. The ZMP keeps off the edge of the sole by a part of its half width.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from mgs.contact import Side
+from mgs.gait import ComParameters, SingleGait, WalkGait, WalkParameters
+from mgs.legs import missing_turn
+from mgs.robot import Robot, leg_length
+
+GRAVITY = 9.81  # [m/s^2]
+STEP_LENGTH, STEP_HEIGHT, ZMP_TOLERANCE = 0.12, 0.04, 5e-4  # in leg lengths
+SINGLE_SUPPORT, DOUBLE_SUPPORT = 2.0, 2.4  # in sqrt(L / g)
+QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT = 1.2, 0.5  # where only the trunk can sway
+QUICK_PASSES = 8  # of the dynamic filter
+LANDING = 0.2  # part of a single support
+MARGIN = 0.5  # of the half width of a sole
+REST_AFTER_PREVIEW = 0.2  # [s]
+DIGITS = 4  # of a figure in the gait as resolved
+
+
+def for_robot(gait: SingleGait, robot: Robot) -> SingleGait:
+    """The gait with `walk.sizes: robot` resolved; any other gait as it is.
+
+    What the gait file states stays; what it leaves out is derived from leg length and soles.
+    """
+    if not isinstance(gait, WalkGait) or gait.walk.sizes == "given":
+        return gait
+    walk = {**_walk_sizes(gait, robot), **_stated(gait.walk), "sizes": "given"}
+    com = {**_com_sizes(robot), **_stated(gait.com)}
+    blocks = {"walk": WalkParameters(**walk), "com": ComParameters(**com)}
+    return WalkGait.model_validate(gait.model_copy(update=blocks).model_dump())
+
+
+def _walk_sizes(gait: WalkGait, robot: Robot) -> dict[str, Any]:
+    length = leg_length(robot)
+    time = math.sqrt(length / GRAVITY)
+    usual = WalkParameters.model_fields["lead_in"].default
+    rest = max(usual, gait.com.preview + REST_AFTER_PREVIEW)
+    quick = missing_turn(robot) == "roll"
+    single = QUICK_SINGLE_SUPPORT if quick else SINGLE_SUPPORT
+    double = QUICK_DOUBLE_SUPPORT if quick else DOUBLE_SUPPORT
+    return {
+        "step_length": round(STEP_LENGTH * length, DIGITS) if gait.walk.n_steps != 1 else 0.0,
+        "step_height": round(STEP_HEIGHT * length, DIGITS),
+        "single_support": _whole(single * time, gait.dt),
+        "double_support": _whole(double * time, gait.dt),
+        "lead_in": rest,
+        "lead_out": rest,
+        "landing": LANDING,
+    }
+
+
+def _com_sizes(robot: Robot) -> dict[str, Any]:
+    width = min(min(robot.sole_spec(s).width, robot.sole_spec(s).length) for s in Side)
+    default = ComParameters.model_fields["passes"].default
+    return {
+        "generator": "qp",
+        "passes": QUICK_PASSES if missing_turn(robot) == "roll" else default,
+        "margin": round(0.5 * MARGIN * width, DIGITS),
+        "weight_jerk": 1e-4,
+        "zmp_tolerance": round(ZMP_TOLERANCE * leg_length(robot), 6),
+    }
+
+
+def _stated(block: WalkParameters | ComParameters) -> dict[str, Any]:
+    """Keys that the gait file has."""
+    return {key: getattr(block, key) for key in block.model_fields_set}
+
+
+def _whole(duration: float, dt: float) -> float:
+    """A duration [s] of whole samples."""
+    return round(round(duration / dt) * dt, 6)
