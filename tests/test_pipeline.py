@@ -75,7 +75,12 @@ def test_a_walk_takes_the_robot_where_its_steps_add_up_to(shipped_walk):
     motion, walk = shipped_walk.stages.motion, shipped_walk.gait.walk
     middle = motion.soles[:, :, :2].mean(axis=1)
     assert_allclose(middle[0], 0.0, atol=1e-4)
-    if not walk.step_yaw:
+    if walk.goal is not None:
+        assert_allclose(middle[-1], [walk.goal.x, walk.goal.y], atol=1e-4)
+    elif walk.footsteps is not None:
+        last = {f.side: (f.x, f.y) for f in walk.footsteps}
+        assert_allclose(middle[-1], np.mean(list(last.values()), axis=0), atol=1e-4)
+    elif walk.n_steps is not None and not walk.step_yaw:
         sideways = sum(
             walk.lateral
             for footstep in motion.footsteps[2:-1]
@@ -215,7 +220,10 @@ def test_three_passes_leave_less_than_a_fifteenth_of_the_zmp_error(name: str):
     assert margins[1] > margins[0] + 5e-3  # [m]
     told = [stages.motion.solver["zmp_error"] for stages in runs]
     assert_allclose(
-        [told[0]["before"]["mean"], told[1]["after"]["mean"]], [before, after], rtol=1e-6
+        [told[0]["before"]["mean"], told[1]["after"]["mean"]],
+        [before, after],
+        rtol=1e-6,
+        atol=1e-9,  # soles are at the height of the ground to that
     )
 
 

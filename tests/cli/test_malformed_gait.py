@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.cli.malformed import KINDS, VALID_BYTES
 from tests.cli.run import files_below, run
 
-MOST_LINES, LONGEST_LINE = 25, 320
+MOST_LINES, LONGEST_LINE = 25, 450
 PER_KIND = 30
 seen: dict[str, set[bytes]] = {}
 

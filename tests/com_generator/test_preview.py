@@ -249,6 +249,8 @@ def test_the_zmp_of_every_shipped_walk_follows_its_reference_within_2_mm(shipped
 
 
 def test_every_shipped_gait_begins_and_ends_at_rest_above_its_soles(shipped):
+    if not shipped.gait.is_balanced:
+        pytest.skip("it begins lying")
     com, tasks = shipped.stages.com, shipped.stages.tasks
     sole = shipped.robot.spec.soles.left
     length, width = sole.length, sole.width
