@@ -1,11 +1,12 @@
 """How fast libraries are made, as ratios within one run.
 
-python benchmarks/libraries.py                 60 gaits each, about five minutes
-python benchmarks/libraries.py --gaits 200 --physics none
+python benchmarks/libraries.py                 8 times 10 gaits each, about fifteen minutes
+python benchmarks/libraries.py --physics none  two and a half minutes
 
 Gaits per second of the batch with one worker and with two, of the same work in a plain loop, with
 and without physics. Efficiency is the rate of two workers over twice that of one; overhead is the
-time of a gait in the batch with one worker over that in the loop, less 1. Start-up of workers is
+time of a gait in the batch with one worker over that in the loop, less 1; both are medians of what
+is found in each of some repeats, by the median gait. Start-up of workers is
 not counted: the clock starts when they are ready, and every worker makes a gait beforehand.
 """
 
@@ -13,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import statistics
 import tempfile
 import time
 from pathlib import Path
@@ -32,8 +34,8 @@ from mgs.sim import available_engines  # noqa: E402
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--gaits", type=int, default=60, metavar="N", help="default 60")
-    parser.add_argument("--repeats", type=int, default=1, metavar="N", help="default 1; the best")
+    parser.add_argument("--gaits", type=int, default=10, metavar="N", help="default 10")
+    parser.add_argument("--repeats", type=int, default=8, metavar="N", help="default 8")
     parser.add_argument("--physics", choices=["none", "both"], default="both", help="default both")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     arguments = parser.parse_args()
@@ -42,7 +44,7 @@ def main() -> None:
         kinds |= {f"and {engine}": (engine,) for engine in available_engines()}
     figures = {}
     for label, engines in kinds.items():
-        n = arguments.gaits if not engines else max(8, arguments.gaits // 6)
+        n = arguments.gaits if not engines else max(8, arguments.gaits // 2)
         figures[label] = measure(n, engines, arguments.repeats)
     print(json.dumps(figures, indent=2) if arguments.json else table(figures))
 
@@ -53,18 +55,23 @@ def measure(n: int, engines: tuple[str, ...], repeats: int) -> dict[str, float]:
         plan = plan_of(Path(folder), n)
         recipe = recipe_of(plan, engines)  # type: ignore[arg-type]
         make_gait(recipe, plan.assignments(0))
-        loop, one, two = 0.0, 0.0, 0.0
-        for i in range(repeats):  # in turn, so that a busy machine is busy for all
-            loop = max(loop, loop_rate(plan, recipe, Path(folder)))
-            one = max(one, batch_rate(plan, recipe, Path(folder) / f"one{i}", 1))
-            two = max(two, batch_rate(plan, recipe, Path(folder) / f"two{i}", 2))
+        times: list[tuple[float, float, float]] = []  # of one gait, in each repeat
+        for i in range(repeats):  # in turn, since machines are quicker at one time than another
+            runs = (
+                loop_times(plan, recipe, Path(folder)),
+                batch_times(plan, recipe, Path(folder) / f"one{i}", 1),
+                batch_times(plan, recipe, Path(folder) / f"two{i}", 2),
+            )
+            loop, one, two = (statistics.median(run) for run in runs)
+            times.append((loop, one, two))
+    loop, one, two = (statistics.median(column) for column in zip(*times, strict=True))
     return {
         "gaits": n,
-        "loop": loop,
-        "one_worker": one,
-        "two_workers": two,
-        "efficiency": two / (2.0 * one),
-        "overhead": loop / one - 1.0,
+        "loop": 1.0 / loop,
+        "one_worker": 1.0 / one,
+        "two_workers": 1.0 / two,
+        "efficiency": statistics.median(one / (2.0 * two) for _, one, two in times),
+        "overhead": statistics.median(one / loop for loop, one, _ in times) - 1.0,
     }
 
 
@@ -76,24 +83,27 @@ def plan_of(folder: Path, n: int) -> Plan:
     return plan_sweep(path)
 
 
-def loop_rate(plan: Plan, recipe: Recipe, folder: Path) -> float:
-    """The same work, files written too, without Dask and manifest."""
-    start = time.perf_counter()
+def loop_times(plan: Plan, recipe: Recipe, folder: Path) -> list[float]:
+    """Time of each gait by the same work, files written too, without Dask and manifest [s]."""
+    times = []
     for number in range(len(plan.points)):
+        start = time.perf_counter()
         outcome = make_gait(recipe, plan.assignments(number))
         assert outcome.content is not None
         (folder / "one.mcap").write_bytes(outcome.content)
-    return len(plan.points) / (time.perf_counter() - start)
+        times.append(time.perf_counter() - start)
+    return times
 
 
-def batch_rate(plan: Plan, recipe: Recipe, folder: Path, workers: int) -> float:
-    """From the first gaits of all workers to the last gait."""
-    times: list[float] = []
+def batch_times(plan: Plan, recipe: Recipe, folder: Path, workers: int) -> list[float]:
+    """Time per gait, from each one kept to that as many later as there are workers [s]."""
+    kept: list[float] = []
     run_batch(
-        plan, recipe, folder, workers=workers, tell=lambda _: times.append(time.perf_counter())
+        plan, recipe, folder, workers=workers, tell=lambda _: kept.append(time.perf_counter())
     )
     warm = 2 * workers  # the first of each worker finds modules unloaded
-    return (len(times) - 1 - warm) / (times[-1] - times[warm])
+    pairs = zip(kept[warm:], kept[warm + workers :], strict=False)
+    return [(after - before) / workers for before, after in pairs]
 
 
 def table(figures: dict[str, dict[str, float]]) -> str:

@@ -65,6 +65,8 @@ OWN_CLUSTER = {
     "distributed.scheduler.allowed-failures": 0,
     # workers come back; Dask would end for good one that died twice in 15 s
     "distributed.deploy.lost-worker-timeout": "1000 days",
+    # samples the working thread a hundred times a second, for a dashboard's page
+    "distributed.worker.profile.enabled": False,
 }
 KILLED = {
     "verdict": LOST,

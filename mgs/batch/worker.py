@@ -160,17 +160,19 @@ def travel_figures(motion: Motion) -> dict[str, Value]:
 
 
 def _check_figures(checks: list[Check]) -> dict[str, Value]:
+    """Those of checks that there are: a motion that does not stand has fewer."""
     found = {check.name: check for check in checks}
+    columns = {"zmp_margin": "zmp_margin", "joint_margin": "joint_position"}
     figures: dict[str, Value] = {
-        "zmp_margin": found["zmp_margin"].value,
-        "joint_margin": found["joint_position"].value,
+        column: found[name].value for column, name in columns.items() if name in found
     }
     for column, name in (
         ("joint_speed_ratio", "joint_speed"),
         ("torque_ratio", "joint_torque"),
         ("torque_rms_ratio", "joint_torque_rms"),
     ):
-        figures[column] = found[name].value / found[name].limit
+        if name in found:
+            figures[column] = found[name].value / found[name].limit
     return figures
 
 
