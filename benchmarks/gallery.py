@@ -115,6 +115,8 @@ def entry(name: str) -> Entry:
 
 def way(motion: Motion) -> str:
     """How far the middle between the soles gets, and how far it turns."""
+    if not motion.gait.is_balanced:
+        return ""
     middle = motion.soles[:, :, :3].mean(axis=1)
     x, y, z = middle[-1] - middle[0]
     turn = np.degrees(motion.footsteps[-1].yaw - motion.footsteps[0].yaw)

@@ -32,7 +32,7 @@ VIEW = view_from(-58.0, 14.0)  # from the right and front: the robot walks to th
 N_POSES, MIN_PLACES = 8, 6  # drawn at most; as wide as so many, even where there are fewer
 MIN_STEPS = 2  # of a motion that is shown step by step
 MOVING = 0.02  # of the fastest joint, at which a motion counts as moving
-SPACING, OVERHANG, CAPTION = 1.0, 0.58, 0.4  # of the CoM's height, around the robots
+SPACING, OVERHANG, LYING, CAPTION = 1.0, 0.58, 1.2, 0.4  # of the CoM's height, around the robots
 
 
 def picture_strip(motion: Motion, n_poses: int = N_POSES) -> Figure:
@@ -42,7 +42,8 @@ def picture_strip(motion: Motion, n_poses: int = N_POSES) -> Figure:
     samples = pose_samples(motion, n_poses)
     unit = float(motion.com[0, 2])
     places = max(len(samples), MIN_PLACES)
-    width = ((places - 1) * SPACING + 2 * OVERHANG) * unit
+    overhang = OVERHANG if motion.gait.is_balanced else LYING
+    width = ((places - 1) * SPACING + 2 * overhang) * unit
     left = 0.5 * ((len(samples) - 1) * SPACING * unit - width)  # the poses stand in the middle
     top = 1.08 * max(_top(motion, sample) for sample in samples)
     strip_height = WIDTH * (top + CAPTION * unit) / width
@@ -77,7 +78,8 @@ def _centre(motion: Motion, sample: int) -> Array:
 def pose_samples(motion: Motion, n_poses: int) -> list[int]:
     """First and last sample and, between them, the middles of the first single supports.
 
-    Of a motion with fewer steps than poses: instants spread evenly over the time in which it moves.
+    Of a sequence those of steps from its beginning to its end; of a motion with next to no steps
+    instants spread evenly over the time in which it moves.
     """
     n_between = max(n_poses - 2, 0)
     middles = [
@@ -85,6 +87,10 @@ def pose_samples(motion: Motion, n_poses: int) -> list[int]:
         for start, end in support_spans(motion)
         if motion.support[start] != Support.DOUBLE
     ]
+    if motion.gait.motion == "sequence" and len(middles) > n_between:
+        struck = {round(ball.time / motion.dt) for ball in motion.scene.balls[:n_between]}
+        spread = np.linspace(0, len(middles) - 1, n_between - len(struck))
+        middles = sorted(struck | {middles[round(i)] for i in spread})
     if len(middles) < MIN_STEPS:
         speed = np.abs(np.diff(motion.q, axis=0)).max(axis=1)
         moving = np.flatnonzero(speed > MOVING * speed.max(initial=0.0))

@@ -37,7 +37,7 @@ def draw_scene(
     for ball in scene.balls:
         if time <= ball.time:
             middle = view.project([ball.x, ball.y, ball.radius]) + offset
-            axes.add_patch(_disc(ball, middle, 1.0))
+            axes.add_patch(_disc(ball, middle, 1.0, 2.5))
 
 
 def draw_scene_above(axes: Axes, scene: Scene, unit: float) -> None:
@@ -49,17 +49,17 @@ def draw_scene_above(axes: Axes, scene: Scene, unit: float) -> None:
             )
         )
     for ball in scene.balls:
-        axes.add_patch(_disc(ball, unit * np.array([ball.x, ball.y]), unit))
+        axes.add_patch(_disc(ball, unit * np.array([ball.x, ball.y]), unit, 0.6))
 
 
-def _disc(ball: Ball, middle: Array, unit: float) -> Circle:
+def _disc(ball: Ball, middle: Array, unit: float, zorder: float) -> Circle:
     return Circle(
         (float(middle[0]), float(middle[1])),
         unit * ball.radius,
         facecolor=BALL,
         edgecolor="0.3",
         linewidth=0.5,
-        zorder=2.5,
+        zorder=zorder,
     )
 
 
