@@ -5,15 +5,18 @@ python benchmarks/libraries.py --physics none  two and a half minutes
 
 Gaits per second of the batch with one worker and with two, of the same work in a plain loop, with
 and without physics. Efficiency is the rate of two workers over twice that of one; overhead is the
-time of a gait in the batch with one worker over that in the loop, less 1; both are medians of what
-is found in each of some repeats, by the median gait. Start-up of workers is
-not counted: the clock starts when they are ready, and every worker makes a gait beforehand.
+time from gait to gait with one worker over what the worker spends in the work itself, less 1; how
+much slower the same work is there than in the loop is told beside it. All are medians of what is
+found in each of some repeats, by the median gait. Start-up of workers is not counted: the clock
+starts when they are ready, and every worker makes a gait beforehand.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
+import sqlite3
 import statistics
 import tempfile
 import time
@@ -26,6 +29,7 @@ from mgs.batch.quiet import silence
 
 silence()
 
+from mgs.batch.manifest import MANIFEST  # noqa: E402
 from mgs.batch.run import recipe_of, run_batch  # noqa: E402
 from mgs.batch.worker import Recipe, make_gait  # noqa: E402
 from mgs.sim import available_engines  # noqa: E402
@@ -55,23 +59,21 @@ def measure(n: int, engines: tuple[str, ...], repeats: int) -> dict[str, float]:
         plan = plan_of(Path(folder), n)
         recipe = recipe_of(plan, engines)  # type: ignore[arg-type]
         make_gait(recipe, plan.assignments(0))
-        times: list[tuple[float, float, float]] = []  # of one gait, in each repeat
+        times: list[tuple[float, float, float, float]] = []  # of one gait, in each repeat
         for i in range(repeats):  # in turn, since machines are quicker at one time than another
-            runs = (
-                loop_times(plan, recipe, Path(folder)),
-                batch_times(plan, recipe, Path(folder) / f"one{i}", 1),
-                batch_times(plan, recipe, Path(folder) / f"two{i}", 2),
-            )
-            loop, one, two = (statistics.median(run) for run in runs)
-            times.append((loop, one, two))
-    loop, one, two = (statistics.median(column) for column in zip(*times, strict=True))
+            loop = statistics.median(loop_times(plan, recipe, Path(folder)))
+            one, work = batch_times(plan, recipe, Path(folder) / f"one{i}", 1)
+            two, _ = batch_times(plan, recipe, Path(folder) / f"two{i}", 2)
+            times.append((loop, one, two, work))
+    loop, one, two, _ = (statistics.median(column) for column in zip(*times, strict=True))
     return {
         "gaits": n,
         "loop": 1.0 / loop,
         "one_worker": 1.0 / one,
         "two_workers": 1.0 / two,
-        "efficiency": statistics.median(one / (2.0 * two) for _, one, two in times),
-        "overhead": statistics.median(one / loop for loop, one, _ in times) - 1.0,
+        "efficiency": statistics.median(one / (2.0 * two) for _, one, two, _ in times),
+        "overhead": statistics.median(one / work for _, one, _, work in times) - 1.0,
+        "slower_work": statistics.median(work / loop for loop, _, _, work in times) - 1.0,
     }
 
 
@@ -95,26 +97,31 @@ def loop_times(plan: Plan, recipe: Recipe, folder: Path) -> list[float]:
     return times
 
 
-def batch_times(plan: Plan, recipe: Recipe, folder: Path, workers: int) -> list[float]:
-    """Time per gait, from each one kept to that as many later as there are workers [s]."""
+def batch_times(plan: Plan, recipe: Recipe, folder: Path, workers: int) -> tuple[float, float]:
+    """Time from gait to gait over the number of workers, and that in the work; medians [s]."""
     kept: list[float] = []
     run_batch(
         plan, recipe, folder, workers=workers, tell=lambda _: kept.append(time.perf_counter())
     )
     warm = 2 * workers  # the first of each worker finds modules unloaded
     pairs = zip(kept[warm:], kept[warm + workers :], strict=False)
-    return [(after - before) / workers for before, after in pairs]
+    between = [(after - before) / workers for before, after in pairs]
+    with contextlib.closing(sqlite3.connect(folder / MANIFEST)) as manifest:
+        in_work = [row[0] for row in manifest.execute("select seconds from gaits order by number")]
+    return statistics.median(between), statistics.median(in_work[warm:])
 
 
 def table(figures: dict[str, dict[str, float]]) -> str:
     """Markdown."""
     lines = [
-        "| gaits/s | loop | 1 worker | 2 workers | efficiency | overhead |",
-        "| --- | --- | --- | --- | --- | --- |",
+        "| gaits/s | loop | 1 worker | 2 workers | efficiency | overhead | work slower by |",
+        "| --- | --- | --- | --- | --- | --- | --- |",
     ]
     for label, f in figures.items():
         rates = " | ".join(f"{f[key]:.2f}" for key in ("loop", "one_worker", "two_workers"))
-        share = f"{f['efficiency']:.2f} | {100.0 * f['overhead']:.1f} %"
+        share = (
+            f"{f['efficiency']:.2f} | {100 * f['overhead']:.1f} % | {100 * f['slower_work']:.1f} %"
+        )
         lines.append(f"| {label} | {rates} | {share} |")
     return "\n".join(lines)
 

@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mgs.contact import Side, Support
@@ -52,6 +52,7 @@ def swinging(plan: MotionPlan, tasks: TaskTrajectory) -> list[tuple[int, Side]]:
     ]
 
 
+@settings(max_examples=20)
 @given(st.floats(0.005, 0.04), st.floats(0.12, 0.16))
 def test_swing_soles_keep_clear_of_every_edge(rise: float, tread: float):
     """Oracle: points of the sole one by one against the stairs as a function of x."""
@@ -68,6 +69,7 @@ def test_swing_soles_keep_clear_of_every_edge(rise: float, tread: float):
             assert pose[2] >= stair.max() + CLEARANCE - 1e-3  # within the grid of the planner
 
 
+@settings(max_examples=20)
 @given(st.floats(0.005, 0.04), st.floats(0.12, 0.16))
 def test_soles_stand_still_on_top_of_their_stairs(rise: float, tread: float):
     plan = climb(rise, tread)
@@ -81,6 +83,7 @@ def test_soles_stand_still_on_top_of_their_stairs(rise: float, tread: float):
             assert span[0, :3].tolist() == [footstep.x, footstep.y, footstep.z]
 
 
+@settings(max_examples=20)
 @given(st.floats(0.005, 0.04), st.floats(0.12, 0.16))
 def test_both_ankles_stay_within_a_legs_length_of_the_hips(rise: float, tread: float):
     """Where the hips are above the ZMP as they are above the CoM at rest."""
@@ -120,6 +123,7 @@ def test_an_edge_that_no_swing_clears_is_refused_with_the_remedy():
         )
 
 
+@settings(max_examples=20)
 @given(st.floats(0.0, 0.6), st.floats(-0.02, 0.02))
 def test_an_obstacle_is_stepped_over(yaw: float, y: float):
     """Corners of the swing sole and points between them, against the turned obstacle."""
