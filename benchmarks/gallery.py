@@ -29,8 +29,7 @@ HEAD = """# Gallery
 Every gait that ships, made and judged by `make gallery`: static checks, then an open-loop replay in
 each engine with ideal and with modelled servos. Speed and torque are the greatest of any joint, as
 parts of what its servo gives at that instant; the ZMP's margin is the least of the whole motion (on
-level ground, where it has one). A failed check is named. The squats of coman_legs are studies of
-the IK in Faraji and Ijspeert's paper, with knees too weak for them.
+level ground, where it has one). A failed check is named.
 
 """
 

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from spread import spread
 from tables import table
 
+from mgs.experiments.faraji.runs import PAPER, STRETCHED
 from mgs.gait import load_gait
 from mgs.ik_solver import faraji
 from mgs.ik_solver.qp import BoundedQp
@@ -36,7 +37,13 @@ from mgs.robot import FLOATING_BASE_NV, load_robot
 
 Array = NDArray[np.float64]
 ROBOT, GAIT = "coman_legs", "coman_legs/squat_stretched"
-ASSIGNMENTS = ("ik.iterations=3", "ik.solver=ik4", "ik.on_limit=record", "balance.duration=5.0")
+ASSIGNMENTS = (
+    *PAPER[STRETCHED],
+    "ik.iterations=3",
+    "ik.solver=ik4",
+    "ik.on_limit=record",
+    "balance.duration=5.0",
+)
 MEET = 1e-6  # violation up to which a solution counts for the best cost
 OSQP_TOLERANCE, OSQP_ITERATIONS = 1e-7, 4000
 PROXQP_TOLERANCE = 1e-9

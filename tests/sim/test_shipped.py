@@ -10,17 +10,10 @@ from mgs.checks import check_motion
 from mgs.sim import DEFAULTS, replay
 from mgs.verdict import replay_checks
 
-# Gaits that study the IK where the knees are weak, and what the verdict says of them.
-STUDIES = {
-    "coman_legs/squat": ["joint_torque_rms"],
-    "coman_legs/squat_stretched": ["joint_torque", "joint_torque_rms"],
-    "coman_legs/squat_tilting": ["joint_torque", "joint_torque_rms"],
-}
 
-
-def test_a_shipped_gait_passes_every_static_check_unless_it_says_otherwise(shipped):
+def test_a_shipped_gait_passes_every_static_check(shipped):
     failed = [check.name for check in check_motion(shipped.stages.motion) if not check.ok]
-    assert failed == STUDIES.get(shipped.stages.motion.gait_name, [])
+    assert failed == []
 
 
 def test_a_shipped_sequence_passes_every_static_check(shipped_sequence):
