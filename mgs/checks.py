@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from mgs.contact import Side, Support
 from mgs.contact_forces import missing_wrenches
-from mgs.dynamics import WholeBodyMotion, analyse, contact_wrenches
+from mgs.dynamics import GRAVITY, WholeBodyMotion, analyse, contact_wrenches
 from mgs.geometry import (
     convex_hull,
     polygon_margins,
@@ -220,9 +220,7 @@ def contact_forces(motion: Motion, body: WholeBodyMotion) -> list[Check]:
         return []
     corners = _corners_in_world(motion, body.soles)[samples].reshape(len(samples), 8, 3)
     wrenches = contact_wrenches(motion.robot, body, samples)
-    missing = missing_wrenches(corners, wrenches) / (
-        float(np.linalg.norm(motion.robot.model.gravity.linear)) * motion.robot.mass
-    )
+    missing = missing_wrenches(corners, wrenches) / (GRAVITY * motion.robot.mass)
     i = int(np.argmax(missing))
     worst = float(missing[i])
     time = float(samples[i] * motion.dt)

@@ -7,7 +7,6 @@ after the last, so that a trajectory that starts with a jump shows it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 
 from mgs.contact import Side
 from mgs.geometry import rotations_from_quat_xyzw
-from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
+from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot, shape_corners
 
 Array = NDArray[np.float64]
 GRAVITY = 9.81  # [m/s^2], as Pinocchio's
@@ -70,7 +69,7 @@ def place_lowest(robot: Robot, joints: Array, turns: Array) -> Array:
     """
     model, geometry = robot.model, robot.geometry
     data, geometry_data = model.createData(), geometry.createData()
-    corners = [_box_around(shape.geometry) for shape in geometry.geometryObjects]
+    corners = shape_corners(robot)
     q = np.zeros((len(joints), FLOATING_BASE_NQ + robot.n))
     q[:, 3:7], q[:, FLOATING_BASE_NQ:] = turns, joints
     for row in q:
@@ -80,13 +79,6 @@ def place_lowest(robot: Robot, joints: Array, turns: Array) -> Array:
             for placement, local in zip(geometry_data.oMg, corners, strict=True)
         )
     return q
-
-
-def _box_around(shape: Any) -> Array:
-    """Corners (8, 3) of a collision shape's box, in its own frame."""
-    shape.computeLocalAABB()
-    ends = np.array([shape.aabb_local.min_, shape.aabb_local.max_])
-    return np.array([[x, y, z] for x in ends[:, 0] for y in ends[:, 1] for z in ends[:, 2]])
 
 
 def align_quaternion_signs(quat: Array) -> None:

@@ -23,6 +23,7 @@ from mgs.urdf_lock import lock_joints
 
 Array = NDArray[np.float64]
 FLOATING_BASE_NQ, FLOATING_BASE_NV = 7, 6
+UNIT_CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])  # of a box
 MAX_LENGTH, MAX_MASS, MAX_ANGLE = 10.0, 1e4, 100.0  # [m], [kg], [rad]; beyond: a slip of the unit
 Coordinate = Annotated[float, Field(ge=-MAX_LENGTH, le=MAX_LENGTH)]
 Vector3 = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
@@ -201,6 +202,17 @@ class Robot:
     def geometry(self) -> pin.GeometryModel:
         """Collision shapes with every pair that is neither adjacent nor ignored."""
         return _collision_pairs(self)
+
+
+def shape_corners(robot: Robot) -> Array:
+    """Corners (b, 8, 3) of the box around every collision shape, in the shape's frame [m]."""
+    corners = []
+    for item in robot.geometry.geometryObjects:
+        item.geometry.computeLocalAABB()
+        box = item.geometry.aabb_local
+        low, high = np.ravel(box.min_), np.ravel(box.max_)
+        corners.append(low + UNIT_CORNERS * (high - low))
+    return np.array(corners)
 
 
 def load_robot(name_or_dir: str | Path) -> Robot:

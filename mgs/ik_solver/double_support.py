@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 
 from mgs.com_generator import ComTrajectory
 from mgs.contact import Side
+from mgs.contact_forces import FRICTION
 from mgs.dynamics import share_wrench
 from mgs.geometry import rotations_from_quat_xyzw
 from mgs.ik_solver.tree_tasks import TreeTasks
@@ -39,7 +40,6 @@ from mgs.trajectory_planner import TaskTrajectory
 
 Array = NDArray[np.float64]
 Sharing = Literal["off", "shared", "optimal"]
-FRICTION = 0.5  # Coulomb coefficient, on the safe side of dry rubber
 N_CONE = 16  # half-spaces that bound the wrench of one sole
 LEAST_LOAD = 1e-4  # share of the weight below which a sole is left the shared wrench
 DAMPING = 1e-6  # of the free wrench components, in parts of the mean curvature

@@ -52,7 +52,8 @@ def way_to_goal(goal: GoalParameters, swing: Side, limits: StepLimits) -> list[A
     if fewest >= MAX_STEPS:
         raise ConfigError(
             "walk.goal",
-            f"{fewest} steps away, {MAX_STEPS} allowed; use a nearer goal or more of them",
+            f"{fewest} steps away, {MAX_STEPS} allowed; use a nearer goal or a larger "
+            "walk.step_length",
         )
     paths = [_centres(way, swing, limits) for way in ways]
     return min(paths, key=len)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mgs.contact import Footstep, Side
+from mgs.dynamics import GRAVITY
 from mgs.errors import ConfigError, InfeasibleGaitError
 from mgs.gait import KickGait, KickParameters
 from mgs.geometry import polygon_margins, rectangle_gaps, sole_corners
@@ -26,7 +27,6 @@ from mgs.robot import Robot, leg_length, midpoint_width
 from mgs.scene import Ball, Scene
 
 Array = NDArray[np.float64]
-GRAVITY = 9.81  # [m/s^2]
 SPEED = 0.35  # default, of sqrt(g leg)
 ADVANCE, BACK_SWING, FOLLOW_THROUGH = 0.12, 0.2, 0.14  # defaults, of the leg's length
 MIDDLE = 0.9  # of a ball's radius: there the edge of a thin sole is close to its middle
@@ -139,9 +139,11 @@ def _boundaries(kick: KickParameters, dt: float, swing: float) -> list[int]:
     durations = [kick.lead_in, kick.shift, swing, kick.shift, kick.lead_out]
     samples = np.round(np.concatenate([[0.0], np.cumsum(durations)]) / dt).astype(int)
     if np.diff(samples).min() < MIN_PHASE_SAMPLES:
+        keys = ("lead_in", "shift", "lead_out")
+        key = min(keys, key=lambda name: float(getattr(kick, name)))
         raise ConfigError(
-            "kick.shift",
-            f"{kick.shift} s is fewer than {MIN_PHASE_SAMPLES} samples of dt = {dt} s; at least "
-            f"{MIN_PHASE_SAMPLES * dt:g} s, or a smaller dt",
+            f"kick.{key}",
+            f"{getattr(kick, key)} s is fewer than {MIN_PHASE_SAMPLES} samples of dt = {dt} s; "
+            f"at least {MIN_PHASE_SAMPLES * dt:g} s, or a smaller dt",
         )
     return [int(k) for k in samples]

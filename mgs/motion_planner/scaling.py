@@ -12,11 +12,11 @@ import math
 from typing import Any
 
 from mgs.contact import Side
+from mgs.dynamics import GRAVITY
 from mgs.gait import ComParameters, SingleGait, WalkGait, WalkParameters
 from mgs.legs import missing_turn
 from mgs.robot import Robot, leg_length
 
-GRAVITY = 9.81  # [m/s^2]
 STEP_LENGTH, STEP_HEIGHT, ZMP_TOLERANCE = 0.12, 0.04, 5e-4  # in leg lengths
 SINGLE_SUPPORT, DOUBLE_SUPPORT = 2.0, 2.4  # in sqrt(L / g)
 QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT = 1.2, 0.5  # where only the trunk can sway

@@ -18,12 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from mgs.contact import Side
 from mgs.report.canvas import SIDE_COLOURS
-from mgs.robot import Robot
+from mgs.robot import Robot, shape_corners
 
 Array = NDArray[np.float64]
 TRUNK_COLOUR, GHOST_COLOUR = "0.72", "0.6"
-CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])  # of a unit box
-# corners of each face, counter-clockwise seen from outside
+# of `UNIT_CORNERS` those of each face, counter-clockwise seen from outside
 FACES = np.array(
     [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 )
@@ -119,14 +118,7 @@ def _normals(faces: Array) -> Array:
 
 @functools.lru_cache(maxsize=8)
 def _local_corners(robot: Robot) -> Array:
-    """Corners (b, 8, 3) of every shape's box, in the frame of the shape [m]."""
-    corners = []
-    for item in robot.geometry.geometryObjects:
-        item.geometry.computeLocalAABB()
-        box = item.geometry.aabb_local
-        low, high = np.ravel(box.min_), np.ravel(box.max_)
-        corners.append(low + CORNERS * (high - low))
-    return np.array(corners)
+    return shape_corners(robot)
 
 
 @functools.lru_cache(maxsize=8)
