@@ -15,8 +15,8 @@ import argparse
 
 import numpy as np
 
-from mgs.checks import zmp_margins
 from mgs.gait import load_gait
+from mgs.judge.motion_checks import zmp_margins
 from mgs.pipeline import Stages, generate
 from mgs.robot import Robot, load_robot
 

@@ -13,7 +13,9 @@ from typing import Any
 from spread import Spread, spread
 
 MGS = "from mgs.cli import main; main(prog_name='mgs')"
-IMPORTS = "import mgs.cli, mgs.gait, mgs.motion_file, mgs.pipeline, mgs.robot, mgs.checks"
+IMPORTS = (
+    "import mgs.cli, mgs.gait, mgs.motion_file, mgs.pipeline, mgs.robot, mgs.judge.motion_checks"
+)
 # `ru_maxrss` of a new process begins with the memory of the one that started it, VmHWM does not
 GROWTH = """
 import io, json, re, resource, sys
@@ -28,7 +30,7 @@ def peak():
     return int(re.search(r"VmHWM:\\s*(\\d+) kB", text)[1]) * 1024
 
 from mgs.cli import main
-import mgs.gait, mgs.motion_file, mgs.pipeline, mgs.robot, mgs.checks
+import mgs.gait, mgs.motion_file, mgs.pipeline, mgs.robot, mgs.judge.motion_checks
 before = peak()
 output = io.StringIO()
 with redirect_stdout(output):

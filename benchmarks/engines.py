@@ -12,10 +12,10 @@ from __future__ import annotations
 import argparse
 
 from mgs.gait import list_gaits, load_gait
+from mgs.judge.verdict import replay_checks
+from mgs.pipeline.sequence import generate_motion
 from mgs.robot import load_robot
-from mgs.sequence import generate_motion
 from mgs.sim import SERVOS, Replay, agreement, replay
-from mgs.verdict import replay_checks
 
 
 def main() -> None:

@@ -12,16 +12,15 @@ from pathlib import Path
 
 import numpy as np
 
-from mgs.checks import Check, check_motion, zmp_margins
-from mgs.files import replace_file
+from mgs.core.atomic_files import replace_file
 from mgs.gait import list_gaits, load_gait
+from mgs.judge.motion_checks import Check, check_motion, zmp_margins
+from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
+from mgs.pipeline.sequence import generate_motion
 from mgs.report import write_picture
-from mgs.robot import load_robot
-from mgs.sequence import generate_motion
-from mgs.servos import is_modelled
+from mgs.robot import is_modelled, load_robot
 from mgs.sim import SERVOS, available_engines, replay
-from mgs.verdict import replay_checks
 
 DOCS = Path(__file__).parent.parent / "docs"
 HEAD = """# Gallery

@@ -43,21 +43,21 @@ import numpy as np
 import pinocchio as pin
 from ik_tables import report
 from nonlinear_side import Ik4Problem, Quality, Sample, Slsqp
-from numpy.typing import NDArray
 from run import machine
 from spread import spread
 
 from mgs.com_generator import ComTrajectory, generate_com
-from mgs.errors import MgsError
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ
+from mgs.core.errors import MgsError
 from mgs.experiments.faraji.runs import FEW, ITERATED, MANY, STRETCHED, Key, gait_of
 from mgs.gait import BalanceGait, WalkGait, load_gait
 from mgs.ik_solver import SOLVERS
-from mgs.ik_solver.faraji import NEAR_STRETCHED, FarajiIk, FarajiRun
+from mgs.ik_solver.hard_soft import NEAR_STRETCHED, FarajiIk, FarajiRun
 from mgs.motion_planner import plan_motion
-from mgs.robot import FLOATING_BASE_NQ, Robot, load_robot
+from mgs.robot import Robot, load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 
-Array = NDArray[np.float64]
 SQUAT, WALK = f"coman_legs/{STRETCHED}", "melson/walk_5cm"
 THREADS = "OPENBLAS_NUM_THREADS"
 OURS = f"mgs ik4, n = {FEW}"

@@ -18,14 +18,13 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from spread import Spread, spread
 
-from mgs.contact import Side
+from mgs.core.arrays import Array
+from mgs.core.contact import Side
 from mgs.gait import load_gait
 from mgs.ik_solver import clik, solve_ik
-from mgs.ik_solver.tree_tasks import WORLD_ALIGNED, TreeTasks
+from mgs.ik_solver.tree.tasks import WORLD_ALIGNED, TreeTasks
 from mgs.pipeline import Stages, generate
 from mgs.robot import load_robot
-
-Array = NDArray[np.float64]
 
 
 class StampedTasks(TreeTasks):

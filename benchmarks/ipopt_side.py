@@ -11,11 +11,10 @@ import casadi as ca
 import numpy as np
 import pinocchio as pin
 from nonlinear_side import Ik4Problem, Sample
-from numpy.typing import NDArray
 
-from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 
-Array = NDArray[np.float64]
 SERIES = 7  # terms of the exponential map's power series; exact to rounding below 0.5 rad
 OPTIONS: dict[str, Any] = {
     "print_time": False,

@@ -24,14 +24,14 @@ from pathlib import Path
 
 import yaml
 
-from mgs.batch.points import Plan, plan_sweep
-from mgs.batch.quiet import silence
+from mgs.library.points import Plan, plan_sweep
+from mgs.library.quiet import silence
 
 silence()
 
-from mgs.batch.manifest import MANIFEST  # noqa: E402
-from mgs.batch.run import recipe_of, run_batch  # noqa: E402
-from mgs.batch.worker import Recipe, make_gait  # noqa: E402
+from mgs.library.manifest import MANIFEST  # noqa: E402
+from mgs.library.run import recipe_of, run_batch  # noqa: E402
+from mgs.library.worker import Recipe, make_gait  # noqa: E402
 from mgs.sim import available_engines  # noqa: E402
 
 

@@ -18,14 +18,12 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.optimize import Bounds, minimize
 
-from mgs.ik_solver.body_tasks import COM_AXES, BodyTasks
-from mgs.ik_solver.faraji import FarajiRun
-from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV
-
-Array = NDArray[np.float64]
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
+from mgs.ik_solver.floating.tasks import COM_AXES, BodyTasks
+from mgs.ik_solver.hard_soft import FarajiRun
 
 
 @dataclass(frozen=True, eq=False)

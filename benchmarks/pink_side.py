@@ -13,17 +13,17 @@ from dataclasses import dataclass
 import numpy as np
 import pink
 import pinocchio as pin
-from numpy.typing import NDArray
 from pink.limits import ConfigurationLimit, VelocityLimit
 from pink.tasks import ComTask, FrameTask, PostureTask, Task
 
 from mgs.com_generator import ComTrajectory
-from mgs.contact import Side
-from mgs.geometry import rotations_from_quat_xyzw
-from mgs.robot import FLOATING_BASE_NV, Robot
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NV
+from mgs.core.contact import Side
+from mgs.core.geometry import rotations_from_quat_xyzw
+from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
 
-Array = NDArray[np.float64]
 QP_SOLVER = "daqp"
 SOLE_COST, COM_COST, TORSO_COST, POSTURE_COST = 10.0, 1.0, 1.0, 1e-3
 

@@ -13,7 +13,8 @@ import pinocchio as pin
 from ik_step import mean_step
 from spread import spread
 
-from mgs.gait import load_gait, shipped_folder
+from mgs.core.shipped import shipped_folder
+from mgs.gait import load_gait
 from mgs.motion import Motion
 from mgs.pipeline import generate
 from mgs.robot import load_robot

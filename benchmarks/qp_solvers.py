@@ -24,18 +24,18 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
-from numpy.typing import NDArray
 from spread import spread
 from tables import table
 
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NV
 from mgs.experiments.faraji.runs import PAPER, STRETCHED
 from mgs.gait import load_gait
-from mgs.ik_solver import faraji
+from mgs.ik_solver import hard_soft
 from mgs.ik_solver.qp import BoundedQp
 from mgs.pipeline import generate
-from mgs.robot import FLOATING_BASE_NV, load_robot
+from mgs.robot import load_robot
 
-Array = NDArray[np.float64]
 ROBOT, GAIT = "coman_legs", "coman_legs/squat_stretched"
 ASSIGNMENTS = (
     *PAPER[STRETCHED],
@@ -92,7 +92,7 @@ def record() -> list[Problem]:
     """All problems of one run, those of its start too."""
     problems: list[Problem] = []
     kind = type("Recording", (RecordingQp,), {"problems": problems})
-    with mock.patch.object(faraji, "BoundedQp", kind):
+    with mock.patch.object(hard_soft, "BoundedQp", kind):
         generate(load_robot(ROBOT), load_gait(GAIT, ASSIGNMENTS))
     return problems
 

@@ -14,18 +14,15 @@ from typing import Any
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
 
-from mgs.contact import Support
-from mgs.dynamics import analyse
+from mgs.core.arrays import Array
+from mgs.core.contact import Support
 from mgs.gait import list_gaits, load_gait
 from mgs.motion import Motion
-from mgs.robot import build_robot, load_robot
-from mgs.sequence import generate_motion
-from mgs.servos import servos_of
+from mgs.motion.dynamics import analyse
+from mgs.pipeline.sequence import generate_motion
+from mgs.robot import build_robot, load_robot, servos_of
 from mgs.sim import DEFAULTS, EngineName, available_engines, replay
-
-Array = NDArray[np.float64]
 
 WALKS = ("melson/walk_5cm", "melson/walk_practical")
 STIFFNESS = (17.1, 34.2, 100.0, 300.0)  # of the legs [N m/rad]; 17.1 is compliance slope 32

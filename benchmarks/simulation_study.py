@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from mgs.core.geometry import rotation_angles
 from mgs.gait import load_gait
-from mgs.geometry import rotation_angles
 from mgs.motion import Motion
 from mgs.pipeline import generate
 from mgs.robot import Robot, load_robot

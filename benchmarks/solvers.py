@@ -16,14 +16,15 @@ from typing import Any
 import numpy as np
 from tables import table
 
-from mgs.checks import check_motion, tracking_errors
+from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.gait import load_gait
 from mgs.ik_solver import SOLVERS
+from mgs.judge.motion_checks import check_motion, tracking_errors
+from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
 from mgs.pipeline import generate
-from mgs.robot import FLOATING_BASE_NQ, load_robot
+from mgs.robot import load_robot
 from mgs.sim import available_engines, replay
-from mgs.verdict import replay_checks
 
 WALK = "melson/walk_5cm"
 

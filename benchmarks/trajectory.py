@@ -22,16 +22,14 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mgs.errors import MgsError
+from mgs.core.errors import MgsError
 from mgs.gait import Gait, load_gait, parse_gait
 from mgs.ik_solver import solve_ik
-from mgs.ik_solver.trajectory import Problem, TrajectoryIk
+from mgs.ik_solver.whole_motion import Problem, TrajectoryIk
 from mgs.pipeline import Stages, generate
 from mgs.robot import Robot, load_robot
 
-Array = NDArray[np.float64]
 SQUAT = """
 mgs: 1
 robot: coman

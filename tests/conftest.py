@@ -2,35 +2,23 @@
 
 from __future__ import annotations
 
-import functools
-from dataclasses import dataclass
-
 import pytest
 from hypothesis import settings
 
-from mgs.gait import Gait, list_gaits, load_gait
+from mgs.gait import list_gaits, load_gait
 from mgs.motion import Motion
-from mgs.motion_planner import for_robot
 from mgs.pipeline import Stages, generate
+from mgs.pipeline.sequence import generate_motion
 from mgs.robot import Robot, load_robot
-from mgs.sequence import generate_motion
-from tests.crooked import crooked_robot
-from tests.libraries import address, made, plan, sweep
+from tests.support.crooked import crooked_robot
+from tests.support.libraries import address, made, plan, sweep
+from tests.support.shipped import Generated, generated
 
 __all__ = ["address", "made", "plan", "sweep"]  # fixtures
 
 # the same examples in every run, and no failure because a machine is slow
 settings.register_profile("mgs", derandomize=True, deadline=None, max_examples=60)
 settings.load_profile("mgs")
-
-
-@dataclass(frozen=True)
-class Generated:
-    """A gait, the robot that walks it, and what the pipeline makes of it."""
-
-    robot: Robot
-    gait: Gait
-    stages: Stages
 
 
 @pytest.fixture(scope="session")
@@ -70,11 +58,3 @@ def shipped_sequence(request: pytest.FixtureRequest) -> Motion:
 def shipped_walk(request: pytest.FixtureRequest) -> Generated:
     """Those shipped gaits that are walks."""
     return generated(request.param)
-
-
-@functools.cache
-def generated(name: str) -> Generated:
-    gait = load_gait(name)
-    robot = load_robot(gait.robot or "melson")
-    gait = for_robot(gait, robot)
-    return Generated(robot, gait, generate(robot, gait, name))

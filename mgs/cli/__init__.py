@@ -16,7 +16,7 @@ from mgs.cli.library import library
 from mgs.cli.refine import refine
 from mgs.cli.robot import robot
 from mgs.cli.schema import schema
-from mgs.errors import MgsError
+from mgs.core.errors import MgsError
 
 
 class _Message(click.ClickException):

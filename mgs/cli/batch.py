@@ -11,8 +11,8 @@ from mgs.cli.common import ProgressBar, json_option, print_json
 from mgs.cli.judge import engines_of, servo_option
 
 if TYPE_CHECKING:
-    from mgs.batch.points import Plan
-    from mgs.batch.run import Summary
+    from mgs.library.points import Plan
+    from mgs.library.run import Summary
     from mgs.sim import ServoName
 
 sweep_argument = click.argument(
@@ -45,7 +45,7 @@ def plan(sweep: Path, show: int, as_json: bool) -> None:
       mgs batch plan speeds.yaml
       mgs batch plan speeds.yaml --show 20 --json
     """  # noqa: D301
-    from mgs.batch.points import plan_sweep
+    from mgs.library.points import plan_sweep
 
     found = plan_sweep(sweep)
     first = [_shown(found, number) for number in range(min(show, len(found.points)))]
@@ -73,7 +73,7 @@ def plan(sweep: Path, show: int, as_json: bool) -> None:
 
 def _shown(plan: Plan, number: int) -> dict[str, Any]:
     """What is set in a gait, and why it would be none."""
-    from mgs.errors import ConfigError
+    from mgs.core.errors import ConfigError
     from mgs.gait import parse_gait
 
     assignments = plan.assignments(number)
@@ -134,18 +134,18 @@ def run(
       mgs batch run speeds.yaml --physics pybullet,mujoco --servo model
       mgs batch run speeds.yaml --dask tcp://192.168.1.10:8786
     """  # noqa: D301
-    from mgs.errors import ConfigError, MgsError
+    from mgs.core.errors import ConfigError, MgsError
 
     if workers is not None and address is not None:
         raise ConfigError("--workers", "a running cluster (--dask) has workers of its own")
     engines = tuple(engines_of(physics))
     if servo == "model" and not engines:
         raise ConfigError("--servo", "model says nothing without --physics")
-    from mgs.batch.points import plan_sweep
-    from mgs.batch.quiet import silence
+    from mgs.library.points import plan_sweep
+    from mgs.library.quiet import silence
 
     silence()
-    from mgs.batch.run import recipe_of, run_batch
+    from mgs.library.run import recipe_of, run_batch
 
     found = plan_sweep(sweep)
     recipe = recipe_of(found, engines, servo)

@@ -17,12 +17,12 @@ from mgs.cli.common import (
     with_progress,
 )
 from mgs.cli.judge import engines_of, servo_option_of
-from mgs.errors import ConfigError
+from mgs.core.errors import ConfigError
 
 if TYPE_CHECKING:
-    from mgs.envelope import Envelope
     from mgs.gait import WalkGait
     from mgs.robot import Robot
+    from mgs.search.envelope import Envelope
     from mgs.sim import ServoName
 
 MOST_TIMES = 100
@@ -85,11 +85,11 @@ def envelope(
       mgs envelope coman --gait coman/walk --times 0.6,0.8,1.0 --resolution 0.02
       mgs envelope melson --servo ideal --set walk.com_height=0.25
     """  # noqa: D301
-    from mgs.envelope import default_step_times, find_envelope
-    from mgs.errors import OutputExistsError
-    from mgs.files import replace_file
+    from mgs.core.atomic_files import replace_file
+    from mgs.core.errors import OutputExistsError
     from mgs.report import plot_envelope, save_figures
     from mgs.robot import leg_length, load_robot
+    from mgs.search.envelope import default_step_times, find_envelope
 
     robot = load_robot(robot_name)
     base = _base_gait(robot, robot_name, gait, assignments)
@@ -97,7 +97,7 @@ def envelope(
     if not engines:
         raise ConfigError("--physics", "none: an envelope is about falling; name an engine")
     if servo == "model":
-        from mgs.servos import servos_of
+        from mgs.robot import servos_of
 
         servos_of(robot)  # before the first probe takes its time
     folder = output or Path("outputs") / Path(robot_name).name / "envelope"
@@ -138,8 +138,8 @@ def envelope(
 def _base_gait(
     robot: Robot, robot_name: str, gait: str | None, assignments: tuple[str, ...]
 ) -> WalkGait:
-    from mgs.envelope import default_walk
     from mgs.gait import WalkGait, load_gait, parse_gait
+    from mgs.search.envelope import default_walk
 
     sets = (*assignments, f"robot={json.dumps(robot_name)}")
     if gait is None:

@@ -10,8 +10,8 @@ import click
 from mgs.cli.common import force_option, json_option, motion_argument, print_json
 
 if TYPE_CHECKING:
-    from mgs.cycle import Cycle
     from mgs.motion import Motion
+    from mgs.motion.cycle import Cycle
 
 
 @click.command()
@@ -44,10 +44,10 @@ def export(
       mgs export walk.mcap --format npz -o walk.npz
       mgs export walk.mcap --cycle -o cycle.csv
     """  # noqa: D301
-    from mgs.cycle import find_cycle
-    from mgs.errors import OutputExistsError
-    from mgs.export import export_motion
+    from mgs.core.errors import OutputExistsError
+    from mgs.motion.cycle import find_cycle
     from mgs.motion_file import read_motion
+    from mgs.motion_file.export import export_motion
 
     path = output or file.with_suffix(f".{fmt}")
     if path.exists() and not force:

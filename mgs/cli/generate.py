@@ -47,7 +47,7 @@ def generate(
       mgs generate melson/walk_5cm
       mgs generate my_walk.yaml -o walk.mcap --set walk.n_steps=30 --set ik.gamma_joint=0
     """  # noqa: D301
-    from mgs.errors import ConfigError, OutputExistsError
+    from mgs.core.errors import ConfigError, OutputExistsError
     from mgs.gait import load_gait
 
     started = time.perf_counter()
@@ -59,8 +59,8 @@ def generate(
         raise ConfigError(gait, "robot: missing; name one in the file or with --robot")
 
     from mgs.motion_file import write_motion
+    from mgs.pipeline import generate_motion
     from mgs.robot import load_robot
-    from mgs.sequence import generate_motion
 
     robot = load_robot(parameters.robot)
     name = Path(gait).stem
@@ -90,7 +90,7 @@ def generate(
 
 
 def _summary(path: Path, motion: Motion, seconds: dict[str, float]) -> dict[str, object]:
-    from mgs.checks import tracking_errors
+    from mgs.judge.motion_checks import tracking_errors
 
     return {
         "file": str(path),
@@ -107,7 +107,7 @@ def _summary(path: Path, motion: Motion, seconds: dict[str, float]) -> dict[str,
 
 
 def _print_summary(summary: dict[str, object], motion: Motion) -> None:
-    from mgs.checks import joint_position, zmp_margins
+    from mgs.judge.motion_checks import joint_position, zmp_margins
 
     tracking, seconds = tracking_of(summary), seconds_of(summary)
     limit = joint_position(motion)

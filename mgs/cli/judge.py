@@ -16,12 +16,12 @@ from mgs.cli.common import (
     print_json,
     with_progress,
 )
-from mgs.errors import ConfigError
+from mgs.core.errors import ConfigError
 
 if TYPE_CHECKING:
-    from mgs.checks import Check
+    from mgs.judge.monte_carlo import Robustness
+    from mgs.judge.motion_checks import Check
     from mgs.motion import Motion
-    from mgs.robustness import Robustness
     from mgs.sim import Agreement, EngineName, Replay, ServoName, Settings
     from mgs.sim.conditions import Conditions
 
@@ -94,12 +94,12 @@ def validate(
       mgs validate walk.mcap --monte-carlo 200 --ranges wide --workers 4
       mgs validate walk.mcap --sample 17
     """  # noqa: D301
-    from mgs.checks import check_motion
+    from mgs.judge.monte_carlo import summary, survival_check
+    from mgs.judge.motion_checks import check_motion
+    from mgs.judge.verdict import judge
     from mgs.motion_file import read_motion
-    from mgs.robustness import summary, survival_check
-    from mgs.servos import servos_of
+    from mgs.robot import servos_of
     from mgs.sim.conditions import RANGES, draw
-    from mgs.verdict import judge
 
     engines = engines_of(physics)
     check_servo(servo, feed_forward)
@@ -186,7 +186,7 @@ def replay(
 
 def engines_of(physics: str | None) -> list[EngineName]:
     """Engines asked for, or all that are installed."""
-    from mgs.errors import SimulationError
+    from mgs.core.errors import SimulationError
     from mgs.sim import ENGINES, available_engines
 
     if physics == "none":
@@ -241,7 +241,7 @@ def _line(check: Check) -> str:
 
 
 def _monte_carlo(motion: Motion, engine: EngineName, options: dict[str, Any]) -> Robustness:
-    from mgs.robustness import monte_carlo
+    from mgs.judge.monte_carlo import monte_carlo
 
     def work(bar: ProgressBar) -> Robustness:
         return monte_carlo(motion, engine, progress=bar, **options)

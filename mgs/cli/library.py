@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mgs.cli.common import force_option, json_option, print_json
-from mgs.errors import OutputExistsError
+from mgs.core.errors import OutputExistsError
 
 if TYPE_CHECKING:
-    from mgs.library import Table
+    from mgs.library.query import Table
 
 SHOWN = [
     *("number", "verdict", "reason", "robot", "ik.solver", "speed", "vx", "vy", "wz"),
@@ -73,8 +73,8 @@ def query(
       mgs library query outputs/speeds --where "verdict == 'infeasible'" --columns number,message
       mgs library query outputs/speeds --names
     """  # noqa: D301
-    from mgs import library as look
-    from mgs.batch.manifest import reading
+    from mgs.library import query as look
+    from mgs.library.manifest import reading
 
     if names:
         with reading(folder) as manifest:
@@ -119,8 +119,8 @@ def export(
       mgs library export outputs/speeds --format csv
       mgs library export outputs/speeds --format parquet -o passed.parquet --where "survived"
     """  # noqa: D301
-    from mgs import library as look
-    from mgs.files import replace_file
+    from mgs.core.atomic_files import replace_file
+    from mgs.library import query as look
 
     path = output or folder.with_name(f"{folder.resolve().name}.{kind}")
     if path.is_dir() or (path.exists() and not force):
@@ -147,7 +147,7 @@ def report(ctx: click.Context, folder: Path, as_json: bool) -> None:
     Example:
       mgs library report outputs/speeds
     """  # noqa: D301
-    from mgs import library as look
+    from mgs.library import query as look
 
     found = look.report(folder)
     if as_json:

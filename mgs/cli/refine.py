@@ -17,10 +17,10 @@ from mgs.cli.common import (
     with_progress,
 )
 from mgs.cli.judge import check_servo, engines_of, feed_forward_option, servo_option_of
-from mgs.errors import ConfigError
+from mgs.core.errors import ConfigError
 
 if TYPE_CHECKING:
-    from mgs.refine import Refinement, Trial
+    from mgs.search.refine import Refinement, Trial
     from mgs.sim import ServoName
 
 
@@ -67,9 +67,9 @@ def refine(
       mgs refine walk.mcap
       mgs refine walk.mcap -o better.mcap --no-feed-forward --attempts 10
     """  # noqa: D301
-    from mgs.errors import OutputExistsError
+    from mgs.core.errors import OutputExistsError
     from mgs.motion_file import read_motion, write_motion
-    from mgs.refine import refine as run
+    from mgs.search.refine import refine as run
 
     check_servo(servo, feed_forward)
     engines = engines_of(physics)

@@ -49,7 +49,7 @@ def show(name: str, as_json: bool) -> None:
     Example:
       mgs robot show melson
     """  # noqa: D301
-    from mgs.contact import Side
+    from mgs.core.contact import Side
     from mgs.robot import load_robot
 
     model = load_robot(name)
@@ -97,7 +97,7 @@ def check(ctx: click.Context, name: str, as_json: bool) -> None:
     from dataclasses import asdict
 
     from mgs.robot import load_robot
-    from mgs.robot_checks import check_robot
+    from mgs.robot.soundness import check_robot
 
     findings = check_robot(load_robot(name))
     if as_json:
@@ -144,8 +144,8 @@ def init(
     """  # noqa: D301
     from dataclasses import asdict
 
-    from mgs.robot_checks import check_robot
-    from mgs.robot_init import init_robot, write_robot
+    from mgs.robot.init import init_robot, write_robot
+    from mgs.robot.soundness import check_robot
 
     draft = init_robot(urdf, name, package_paths)
     write_robot(draft, folder, force)

@@ -21,7 +21,7 @@ def schema(kind: str) -> None:
 
         print_json(gait_schema())
     elif kind == "sweep":
-        from mgs.batch.sweep import Sweep
+        from mgs.library.sweep import Sweep
 
         print_json(Sweep.model_json_schema())
     else:

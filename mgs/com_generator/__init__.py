@@ -1,9 +1,9 @@
 """Stage 3: from the ZMP reference to the motion of the centre of mass."""
 
 from mgs.com_generator.com_trajectory import ComTrajectory
-from mgs.com_generator.correction import correct_com, rest_window
+from mgs.com_generator.dynamic_filter import correct_com, rest_window
+from mgs.com_generator.from_positions import follow_com
 from mgs.com_generator.generate import generate_com, planned_zmp
-from mgs.com_generator.given import follow_com
 
 __all__ = [
     "ComTrajectory",

@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
-GRAVITY = 9.81  # [m/s^2]
+from mgs.core.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)

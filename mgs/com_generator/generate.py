@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mgs.com_generator.com_trajectory import ComTrajectory
-from mgs.com_generator.given import follow_com
+from mgs.com_generator.from_positions import follow_com
 from mgs.com_generator.preview import follow_zmp
 from mgs.gait import ComParameters
 from mgs.robot import Robot

@@ -20,14 +20,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-from mgs.com_generator.com_trajectory import GRAVITY, ComTrajectory
-from mgs.errors import ConfigError, InfeasibleGaitError
+from mgs.com_generator.com_trajectory import ComTrajectory
+from mgs.core.arrays import Array
+from mgs.core.constants import GRAVITY
+from mgs.core.errors import ConfigError, InfeasibleGaitError
 from mgs.gait import ComParameters
 
-Array = NDArray[np.float64]
 REST_SPEED, REST_DISTANCE = 2e-3, 1e-3  # [m/s], [m] at which the CoM counts as at rest at the end
 
 

@@ -25,17 +25,17 @@ from dataclasses import dataclass
 import numpy as np
 import piqp
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
-from mgs.com_generator.com_trajectory import GRAVITY, ComTrajectory
-from mgs.contact import Support
-from mgs.errors import ConfigError, InfeasibleGaitError
+from mgs.com_generator.com_trajectory import ComTrajectory
+from mgs.core.arrays import Array
+from mgs.core.constants import GRAVITY
+from mgs.core.contact import Support
+from mgs.core.errors import ConfigError, InfeasibleGaitError
+from mgs.core.geometry import convex_hull, sole_corners, yaw_from_quat_xyzw
 from mgs.gait import ComParameters
-from mgs.geometry import convex_hull, sole_corners, yaw_from_quat_xyzw
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
 
-Array = NDArray[np.float64]
 PRECISION = 1e-10  # of the solver, absolute and relative
 TOLERANCE = 1e-7  # [m] that a solution may miss bounds and equalities by
 PLACE, SPEED, ACCELERATION = range(3)

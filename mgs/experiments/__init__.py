@@ -9,7 +9,8 @@ from __future__ import annotations
 import importlib
 from pathlib import Path
 
-from mgs.experiments.claim import Claim, Progress
+from mgs.core.progress import Progress
+from mgs.experiments.claim import Claim
 
 __all__ = ["NAMES", "Claim", "run"]
 

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
-
-Progress = Callable[[int, int], None]  # parts done, parts in all
 
 
 @dataclass(frozen=True)

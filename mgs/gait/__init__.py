@@ -11,13 +11,8 @@ from mgs.gait.balance import (
     RampChannel,
     SineChannel,
 )
-from mgs.gait.find import find_gait, list_gaits, shipped_folder
-from mgs.gait.ik import (
-    FarajiParameters,
-    IkParameters,
-    PrioritizedParameters,
-    WholeBodyIkParameters,
-)
+from mgs.gait.find import find_gait, list_gaits
+from mgs.gait.ik import FarajiParameters, IkParameters, PrioritizedParameters, WholeBodyIkParameters
 from mgs.gait.keyframes import Keyframe, KeyframesParameters
 from mgs.gait.kick import BallParameters, KickParameters
 from mgs.gait.kinds import (
@@ -89,5 +84,4 @@ __all__ = [
     "list_gaits",
     "load_gait",
     "parse_gait",
-    "shipped_folder",
 ]

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import importlib.resources
 from pathlib import Path
-from typing import Literal
 
-from mgs.config import is_file
-from mgs.errors import ConfigError
+from mgs.core.config import is_file
+from mgs.core.errors import ConfigError
+from mgs.core.shipped import shipped_folder
 
 
 def find_gait(name_or_path: str | Path, folder: Path | None = None) -> Path:
@@ -31,10 +30,3 @@ def list_gaits() -> list[str]:
     """Names of the shipped gaits."""
     root = shipped_folder("gaits")
     return sorted(p.relative_to(root).with_suffix("").as_posix() for p in root.rglob("*.yaml"))
-
-
-def shipped_folder(kind: Literal["gaits", "robots"]) -> Path:
-    """Folder of shipped gaits or robots: inside an installed wheel, else beside the package."""
-    package = Path(str(importlib.resources.files("mgs")))
-    inside = package / "data" / kind
-    return (inside if inside.is_dir() else package.parent / kind).resolve()

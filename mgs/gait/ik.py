@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from mgs.config import Model
+from mgs.core.config import Model
 
 Weight = Annotated[list[Annotated[float, Field(gt=0.0, le=1e6)]], Field(min_length=3, max_length=3)]
 TaskName = Literal["soles", "torso", "com", "hands"]

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from mgs.config import Model
+from mgs.core.config import Model
 from mgs.gait.balance import MAX_SECONDS, Displacement
 from mgs.gait.walk import COM_TOLERANCE
 

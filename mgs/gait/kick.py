@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from mgs.config import Model
+from mgs.core.config import Model
 from mgs.gait.walk import Duration, Length
 
 Way = Annotated[float, Field(gt=0.0, le=1.0)]

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from pydantic import create_model
 
-from mgs.config import build, parse_yaml, read_text, set_key
+from mgs.core.config import build, parse_yaml, read_text, set_key
 from mgs.gait.find import find_gait
 from mgs.gait.kinds import GAITS, Gait
 from mgs.gait.sequence import resolve_parts, split_assignments

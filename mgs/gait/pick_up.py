@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from mgs.config import Model
+from mgs.core.config import Model
 
 Duration = Annotated[float, Field(gt=0.0, le=60.0)]
 Coordinate = Annotated[float, Field(ge=-3.0, le=3.0)]

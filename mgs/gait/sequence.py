@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from mgs.config import parse_yaml, read_text, set_key, set_value
-from mgs.errors import ConfigError
+from mgs.core.config import parse_yaml, read_text, set_key, set_value
+from mgs.core.errors import ConfigError
 from mgs.gait.find import find_gait
 from mgs.gait.kinds import SequenceGait
 

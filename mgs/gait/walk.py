@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from mgs.config import Model
+from mgs.core.config import Model
 
 MAX_STEPS = 20_000
 COM_TOLERANCE = 2e-4  # [m]

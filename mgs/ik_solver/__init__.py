@@ -1,7 +1,7 @@
 """Stage 4: from tasks to joint angles."""
 
 from mgs.ik_solver.joint_trajectory import JointTrajectory
-from mgs.ik_solver.misses import refuse_speed
+from mgs.ik_solver.residuals import refuse_speed
 from mgs.ik_solver.solve import SOLVERS, IkSolver, solve_ik
 
 __all__ = ["SOLVERS", "IkSolver", "JointTrajectory", "refuse_speed", "solve_ik"]

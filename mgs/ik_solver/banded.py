@@ -10,10 +10,9 @@ hence 3 p - 1 diagonals below the main one; its Cholesky factor costs O(N p^3).
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
-Array = NDArray[np.float64]
+from mgs.core.arrays import Array
 
 
 def second_differences(q: Array) -> Array:

@@ -25,18 +25,17 @@ from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from mgs.com_generator import ComTrajectory
-from mgs.contact import Side, Support
-from mgs.errors import ConfigError, IkError
+from mgs.core.arrays import Array
+from mgs.core.contact import Side, Support
+from mgs.core.errors import ConfigError, IkError
 from mgs.gait import IkParameters
-from mgs.ik_solver.double_support import Sharing, StaticLoads, loaded_gravity
 from mgs.ik_solver.joint_trajectory import JointTrajectory
-from mgs.ik_solver.misses import refuse_limits
-from mgs.ik_solver.tree_targets import refuse_task_misses, refuse_torso, root_spans, tree_targets
-from mgs.ik_solver.tree_tasks import N_TASKS, TURN, TreeTasks
+from mgs.ik_solver.residuals import refuse_limits
+from mgs.ik_solver.tree.static_loads import Sharing, StaticLoads, loaded_gravity
+from mgs.ik_solver.tree.targets import refuse_task_misses, refuse_torso, root_spans, tree_targets
+from mgs.ik_solver.tree.tasks import N_TASKS, TURN, TreeTasks
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
-
-Array = NDArray[np.float64]
 
 UPDATE_ABOVE = 1e-5  # [m] and [rad], task error that calls for a Newton update, inside TOLERANCES
 MAX_UPDATES = 10  # per sample; converging ones need one or two

@@ -11,9 +11,9 @@ constraints", CDC 2006. Half the room on both sides counts as 0.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from mgs.core.arrays import Array
+
 DELTA = 1e-4
 
 

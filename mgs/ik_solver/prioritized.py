@@ -29,21 +29,21 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from mgs.com_generator import ComTrajectory
-from mgs.contact import Side, Support
-from mgs.errors import IkError
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
+from mgs.core.contact import Side, Support
+from mgs.core.errors import IkError
 from mgs.gait import IkParameters, PrioritizedParameters
-from mgs.ik_solver.body_tasks import BodyTargets, BodyTasks, body_targets, parts_of
-from mgs.ik_solver.constraints import ConstraintSet, handover_profile, refuse_infeasible
-from mgs.ik_solver.jacobian_rate import JacobianRate
+from mgs.ik_solver.floating.constraints import ConstraintSet, handover_profile, refuse_infeasible
+from mgs.ik_solver.floating.jacobian_rate import JacobianRate
+from mgs.ik_solver.floating.tasks import BodyTargets, BodyTasks, body_targets, parts_of
 from mgs.ik_solver.joint_trajectory import JointTrajectory
-from mgs.ik_solver.misses import measure_tasks, refuse_limits, refuse_misses, task_misses
-from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
+from mgs.ik_solver.residuals import measure_tasks, refuse_limits, refuse_misses, task_misses
+from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
 
-Array = NDArray[np.float64]
 POSTURE_RATE = 1.0  # [1/s] at which left-over joints go to the half-sitting posture
 POSTURE_DAMPING = 10.0  # [1/s] at which they take on that speed in the acceleration form
 CONFLICT_SPEED = 1.0  # [rad/s] and [m/s], most that a level in conflict with others may ask for

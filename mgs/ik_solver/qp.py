@@ -10,12 +10,11 @@ from __future__ import annotations
 
 import daqp
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-from mgs.robot import FLOATING_BASE_NV
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NV
 
-Array = NDArray[np.float64]
 EQUALITY = 5  # DAQP's mark of an equality
 FREE = 1e30  # the bound of what has none
 ELASTIC_WEIGHT = 1e6  # of the equalities where they cannot be met

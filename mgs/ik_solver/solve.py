@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
 
 from mgs.com_generator import ComTrajectory
-from mgs.errors import ConfigError, InfeasibleGaitError
+from mgs.core.errors import ConfigError, InfeasibleGaitError
+from mgs.core.progress import Progress
 from mgs.gait import IkParameters
 from mgs.ik_solver.clik import ClosedLoopIk
-from mgs.ik_solver.faraji import FarajiIk
+from mgs.ik_solver.hard_soft import FarajiIk
 from mgs.ik_solver.joint_trajectory import JointTrajectory
 from mgs.ik_solver.prioritized import PrioritizedIk
-from mgs.ik_solver.trajectory import TrajectoryIk
-from mgs.legs import missing_turn
+from mgs.ik_solver.whole_motion import TrajectoryIk
 from mgs.robot import Robot
+from mgs.robot.legs import missing_turn
 from mgs.trajectory_planner import TaskTrajectory
-
-Progress = Callable[[int, int], None]
 
 
 class IkSolver(Protocol):

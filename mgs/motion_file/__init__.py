@@ -8,8 +8,9 @@ complete in itself. The same motion gives the same bytes.
 
 With one message per sample:
     /joint_states           position, velocity and, as effort, the predicted torque
-    /joint_commands         position that servos are told (mgs.servos), where robot.yaml says how
-                            stiff they are; follows from the rest, so reading ignores it
+    /joint_commands         position that servos are told (mgs.motion.servo_commands), where
+                            robot.yaml says how stiff they are; follows from the
+                            rest, so reading ignores it
     /tf                     world to base to every moving link
     /base_twist             velocity of the base in its own frame
     /com, /zmp, /sole/left, /sole/right, /hand/left, /hand/right    reached

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mgs.contact import Support
+from mgs.core.contact import Support
 from mgs.motion import Motion
 from mgs.motion_file.topics import field_shapes
 

@@ -15,15 +15,16 @@ from mcap.exceptions import McapError
 from numpy.typing import NDArray
 from pydantic import Field
 
-from mgs.config import Model, build
-from mgs.contact import Footstep, Side
-from mgs.errors import ConfigError, MotionFileError
+from mgs.core.config import Model, build
+from mgs.core.contact import Footstep, Side
+from mgs.core.errors import ConfigError, MotionFileError
+from mgs.core.scene import Ball, Box, Scene
 from mgs.gait import Gait, parse_gait
 from mgs.motion import Motion
 from mgs.motion_file.cdr import full_name
 from mgs.motion_file.check import find_problem
+from mgs.motion_file.latched_topics import ONCE_TOPICS
 from mgs.motion_file.mcap_reader import Chunk, ChunkReader, DamagedFileError
-from mgs.motion_file.once import ONCE_TOPICS
 from mgs.motion_file.topics import (
     SUPPORT_TOPIC,
     SampleTopic,
@@ -36,7 +37,6 @@ from mgs.motion_file.topics import (
 from mgs.motion_file.transforms import link_tree
 from mgs.motion_file.write import FORMAT_VERSION
 from mgs.robot import Robot, build_robot
-from mgs.scene import Ball, Box, Scene
 
 Times = NDArray[np.uint64]
 BYTES_PER_INDEX_ENTRY = 16

@@ -14,12 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mgs.contact import Side, Support
+from mgs.core.contact import Side, Support
 from mgs.motion_file.cdr import Layout, Slot, message_layout
 from mgs.motion_file.transforms import LinkTree
 from mgs.robot import Robot
-
-Array = NDArray[np.float64]
 
 WORLD = "world"  # name of the world frame in tf
 START_NS = 10**9  # stamp of the first sample; tf2 takes 0 for "latest"

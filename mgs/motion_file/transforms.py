@@ -16,9 +16,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from mgs.core.arrays import Array
 from mgs.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

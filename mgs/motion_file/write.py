@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import BinaryIO
@@ -13,11 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 import mgs
-from mgs.contact import Support
-from mgs.errors import MgsError, MotionFileError, OutputExistsError
-from mgs.files import replacing
+from mgs.core.atomic_files import replacing
+from mgs.core.contact import Support
+from mgs.core.errors import MgsError, MotionFileError, OutputExistsError
+from mgs.core.progress import Progress
 from mgs.motion import Motion
+from mgs.motion.servo_commands import servo_commands
 from mgs.motion_file.check import find_problem
+from mgs.motion_file.latched_topics import ONCE_TOPICS, small_messages, trajectory_message
 from mgs.motion_file.mcap_writer import (
     HEAD,
     MESSAGE,
@@ -28,7 +30,6 @@ from mgs.motion_file.mcap_writer import (
     block_of_rows,
     message_rows,
 )
-from mgs.motion_file.once import ONCE_TOPICS, small_messages, trajectory_message
 from mgs.motion_file.topics import (
     COMMANDS_TOPIC,
     START_NS,
@@ -42,12 +43,10 @@ from mgs.motion_file.topics import (
     support_layouts,
 )
 from mgs.motion_file.transforms import LinkTree, link_tree
-from mgs.servos import is_modelled, servo_commands
+from mgs.robot import is_modelled
 
 FORMAT_VERSION = 2
 SAMPLES_PER_CHUNK = 500  # about 2 MB; players read a chunk at a time
-
-Progress = Callable[[int, int], None]
 
 
 def write_motion(

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mgs.contact import Footstep, Side, Support
-from mgs.errors import ConfigError
+from mgs.core.contact import Footstep, Side, Support
+from mgs.core.errors import ConfigError
 from mgs.gait import BalanceGait
 from mgs.motion_planner.motion_plan import BodyPlan, MotionPlan, Phase
 from mgs.motion_planner.standing import standing_figures
 from mgs.robot import Robot, midpoint_width
-
-Array = NDArray[np.float64]
 
 
 def plan_balance(robot: Robot, gait: BalanceGait) -> MotionPlan:

@@ -8,15 +8,13 @@ lands beside the other foot.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mgs.contact import Footstep, Side
-from mgs.errors import ConfigError
+from mgs.core.arrays import Array
+from mgs.core.contact import Footstep, Side
+from mgs.core.errors import ConfigError
+from mgs.core.geometry import compose_planar
 from mgs.gait import StepParameters, WalkParameters
-from mgs.geometry import compose_planar
 from mgs.motion_planner.goal import StepLimits, way_to_goal
-
-Array = NDArray[np.float64]
 
 
 def plan_footsteps(

@@ -11,15 +11,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mgs.contact import Side
-from mgs.errors import ConfigError
+from mgs.core.arrays import Array
+from mgs.core.contact import Side
+from mgs.core.errors import ConfigError
+from mgs.core.geometry import compose_planar, wrap_angle
 from mgs.gait import GoalParameters
 from mgs.gait.walk import MAX_STEPS
-from mgs.geometry import compose_planar, wrap_angle
 
-Array = NDArray[np.float64]
 ROUNDING = 1e-9  # of a number of steps
 
 

@@ -8,16 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mgs.contact import Side
-from mgs.errors import ConfigError
+from mgs.core.arrays import Array
+from mgs.core.contact import Side
+from mgs.core.errors import ConfigError
+from mgs.core.geometry import quat_multiply, quat_xyzw_from_rpy
 from mgs.gait import Keyframe, KeyframesGait
-from mgs.geometry import quat_multiply, quat_xyzw_from_rpy
-from mgs.motion_planner.limbs import arm_joints, leg_joints
 from mgs.motion_planner.motion_plan import KeyPlan, MotionPlan
 from mgs.motion_planner.standing import StandingFigures, standing_figures, standing_plan
-from mgs.robot import Robot, leg_length
+from mgs.robot import Robot, arm_mask, leg_length, leg_mask
 
-Array = NDArray[np.float64]
 MIN_SAMPLES = 5  # of a way from key to key; below this a quintic is no longer sampled
 
 
@@ -25,7 +24,7 @@ def plan_keyframes(robot: Robot, gait: KeyframesGait) -> MotionPlan:
     """One phase on both feet and the keys of the body in it; see `plan_motion` for the errors."""
     frames, rest = gait.keyframes, standing_figures(robot)
     led = _led_hands(robot, gait, rest)
-    upper = ~leg_joints(robot) if gait.is_balanced else np.ones(robot.n, dtype=np.bool_)
+    upper = ~leg_mask(robot) if gait.is_balanced else np.ones(robot.n, dtype=np.bool_)
     _refuse_joints(robot, gait, upper, led)
     still = _State(np.zeros(3), 0.0, np.zeros(3), np.zeros((2, 3)), robot.posture)
     states = [_after(robot, Keyframe(time=1.0, posture=frames.begin), still)]
@@ -40,7 +39,7 @@ def plan_keyframes(robot: Robot, gait: KeyframesGait) -> MotionPlan:
     held = upper.copy()
     for side in Side:
         if led[side]:
-            held &= ~arm_joints(robot, side)
+            held &= ~arm_mask(robot, side)
     return standing_plan(
         robot,
         gait.dt,
@@ -113,7 +112,7 @@ def _refuse_joints(
 ) -> None:
     """Raise ConfigError for joints that `posture` cannot have."""
     problems = []
-    arms = [arm_joints(robot, side) for side in Side]
+    arms = [arm_mask(robot, side) for side in Side]
     frames = gait.keyframes
     postures = {"begin": frames.begin}
     postures |= {f"keys.{i}.posture": key.posture for i, key in enumerate(frames.keys)}

@@ -11,22 +11,20 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mgs.contact import Footstep, Side
-from mgs.dynamics import GRAVITY
-from mgs.errors import ConfigError, InfeasibleGaitError
+from mgs.core.constants import GRAVITY
+from mgs.core.contact import Footstep, Side
+from mgs.core.curves import Knots, at_rest, evaluate
+from mgs.core.errors import ConfigError, InfeasibleGaitError
+from mgs.core.geometry import polygon_margins, rectangle_gaps, sole_corners
+from mgs.core.scene import Ball, Scene
 from mgs.gait import KickGait, KickParameters
-from mgs.geometry import polygon_margins, rectangle_gaps, sole_corners
-from mgs.knots import Knots, at_rest, evaluate
 from mgs.motion_planner.motion_plan import MotionPlan, SwingPath
 from mgs.motion_planner.standing import standing_figures
 from mgs.motion_planner.terrain import corners_of
 from mgs.motion_planner.walk import MIN_PHASE_SAMPLES, step_phases
 from mgs.robot import Robot, leg_length, midpoint_width
-from mgs.scene import Ball, Scene
 
-Array = NDArray[np.float64]
 SPEED = 0.35  # default, of sqrt(g leg)
 ADVANCE, BACK_SWING, FOLLOW_THROUGH = 0.12, 0.2, 0.14  # defaults, of the leg's length
 MIDDLE = 0.9  # of a ball's radius: there the edge of a thin sole is close to its middle

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mgs.contact import Footstep, Support
+from mgs.core.arrays import Array
+from mgs.core.contact import Footstep, Support
+from mgs.core.curves import Knots
+from mgs.core.scene import EMPTY, Scene
 from mgs.gait import AnyChannel
-from mgs.knots import Knots
-from mgs.scene import EMPTY, Scene
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

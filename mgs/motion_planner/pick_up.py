@@ -10,16 +10,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mgs.contact import Side
-from mgs.errors import ConfigError
+from mgs.core.arrays import Array
+from mgs.core.contact import Side
+from mgs.core.errors import ConfigError
 from mgs.gait import PickUpGait, PickUpParameters
-from mgs.motion_planner.limbs import arm_joints, leg_joints
 from mgs.motion_planner.motion_plan import KeyPlan, MotionPlan
 from mgs.motion_planner.standing import StandingFigures, standing_figures, standing_plan
 from mgs.motion_planner.static_pose import StaticPose, find_pose
-from mgs.robot import Robot, leg_length
+from mgs.robot import Robot, arm_mask, leg_length, leg_mask
 
-Array = NDArray[np.float64]
 CLEARANCE = 0.15  # of the leg length
 
 
@@ -44,9 +43,9 @@ def plan_pick_up(robot: Robot, gait: PickUpGait) -> MotionPlan:
     n_samples = round(pick_up.duration / gait.dt) + 1
     departures[-1] = n_samples - 1
     times = gait.dt * np.arange(n_samples, dtype=np.float64)
-    free = ~leg_joints(robot)
+    free = ~leg_mask(robot)
     for side in sides:
-        free &= ~arm_joints(robot, side)
+        free &= ~arm_mask(robot, side)
     return standing_plan(
         robot,
         gait.dt,

@@ -11,11 +11,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from mgs.contact import Side
-from mgs.dynamics import GRAVITY
+from mgs.core.constants import GRAVITY
+from mgs.core.contact import Side
 from mgs.gait import ComParameters, SingleGait, WalkGait, WalkParameters
-from mgs.legs import missing_turn
 from mgs.robot import Robot, leg_length
+from mgs.robot.legs import missing_turn
 
 STEP_LENGTH, STEP_HEIGHT, ZMP_TOLERANCE = 0.12, 0.04, 5e-4  # in leg lengths
 SINGLE_SUPPORT, DOUBLE_SUPPORT = 2.0, 2.4  # in sqrt(L / g)

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from mgs.contact import Footstep, Side, Support
+from mgs.core.arrays import Array
+from mgs.core.contact import Footstep, Side, Support
 from mgs.motion_planner.motion_plan import KeyPlan, LegReach, MotionPlan, Phase
 from mgs.robot import Robot, midpoint_width
 
-Array = NDArray[np.float64]
 STRETCH = 0.97  # of a straight leg that is made use of
 LEAST_ARM_JOINTS = 3  # that can place a hand anywhere about a point
 

@@ -11,14 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from mgs.contact import Side
-from mgs.geometry import convex_hull, sole_corners
-from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
-
-Array = NDArray[np.float64]
-GRAVITY = 9.81  # [m/s^2]
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV, GRAVITY
+from mgs.core.contact import Side
+from mgs.core.geometry import convex_hull, sole_corners
+from mgs.robot import Robot
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,11 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from mgs.errors import InfeasibleGaitError
+from mgs.core.arrays import Array
+from mgs.core.errors import InfeasibleGaitError
 from mgs.motion_planner.standing_model import StandingModel
 from mgs.robot import Robot
 
-Array = NDArray[np.float64]
 WEIGHT_POSTURE, WEIGHT_TORQUE, WEIGHT_COM = 1.0, 1.0, 0.3
 ROOM = 0.08  # [rad] kept to joint limits; from a stretched elbow or knee no direction is free
 COM_MARGIN = 0.4  # of the distance from the middle of the support polygon to its nearest edge

@@ -5,17 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mgs.contact import Footstep
-from mgs.errors import InfeasibleGaitError
-from mgs.geometry import polygon_margins, rectangle_gaps, sole_corners
-from mgs.knots import at_rest, evaluate
+from mgs.core.arrays import Array
+from mgs.core.contact import Footstep
+from mgs.core.curves import at_rest, evaluate
+from mgs.core.errors import InfeasibleGaitError
+from mgs.core.geometry import polygon_margins, rectangle_gaps, sole_corners
+from mgs.core.scene import Box, ground_below
 from mgs.motion_planner.motion_plan import SwingPath
 from mgs.robot import Robot
-from mgs.scene import Box, ground_below
 
-Array = NDArray[np.float64]
 N_ALONG = 101  # places of a swing that are looked at
 # Rise, move and fall one after the other as far as need be, as parts of the single support.
 SQUARENESS = np.linspace(0.0, 1.0, 11)

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from mgs.contact import Footstep, Side, Support
-from mgs.errors import ConfigError, FootstepError
+from mgs.core.contact import Footstep, Side, Support
+from mgs.core.errors import ConfigError, FootstepError
+from mgs.core.geometry import rectangle_gap
+from mgs.core.scene import Box, Scene
 from mgs.gait import WalkGait, WalkParameters
-from mgs.geometry import rectangle_gap
-from mgs.legs import missing_turn
 from mgs.motion_planner.footsteps import first_support_of, plan_footsteps
 from mgs.motion_planner.goal import StepLimits
 from mgs.motion_planner.motion_plan import MotionPlan, Phase
@@ -24,7 +24,7 @@ from mgs.motion_planner.terrain import (
     swing_over,
 )
 from mgs.robot import Robot, leg_length, midpoint_width
-from mgs.scene import Box, Scene
+from mgs.robot.legs import missing_turn
 
 ROUNDING = 1e-9  # [rad]
 MIN_PHASE_SAMPLES = 5  # below this a quintic is no longer sampled

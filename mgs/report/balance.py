@@ -6,14 +6,13 @@ import itertools
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from mgs.checks import support_polygon
+from mgs.core.arrays import Array
+from mgs.judge.motion_checks import support_polygon
 from mgs.motion import Motion
 from mgs.report.canvas import BLACK, GREEN, PURPLE
 from mgs.report.panels import Band, Line, Panel, draw_panels, shade_single_support
 
-Array = NDArray[np.float64]
 MM = 1e3  # of a metre
 
 

@@ -16,9 +16,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Figure
 from PIL import Image  # comes with matplotlib
 
-from mgs.contact import Side
-from mgs.errors import OutputExistsError
-from mgs.files import replace_file
+from mgs.core.atomic_files import replace_file
+from mgs.core.contact import Side
+from mgs.core.errors import OutputExistsError
 
 Format = Literal["png", "svg"]
 

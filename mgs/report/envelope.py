@@ -6,7 +6,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from mgs.envelope import Envelope, Probe
 from mgs.report.canvas import (
     BLACK,
     BLUE,
@@ -21,6 +20,7 @@ from mgs.report.canvas import (
     new_figure,
     style_axes,
 )
+from mgs.search.envelope import Envelope, Probe
 
 ROOM = 1.15  # of the axes beyond the longest step that passes
 N_SPEEDS = 5  # lines of equal speed, at least

@@ -8,10 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from mgs.contact import Footstep, Side
-from mgs.geometry import rotate_planar, sole_corners
+from mgs.core.arrays import Array
+from mgs.core.contact import Footstep, Side
+from mgs.core.geometry import rotate_planar, sole_corners
 from mgs.motion import Motion
 from mgs.report.canvas import (
     BLACK,
@@ -25,7 +25,6 @@ from mgs.report.canvas import (
 )
 from mgs.report.scenery import draw_scene_above
 
-Array = NDArray[np.float64]
 MM = 1e3  # of a metre
 MAX_NUMBERS = 40  # more of them could not be read
 NUMBER_INSET = (-12.0, -8.0)  # [pt] of a number from the outer corner at the toe

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from mgs.contact import Side
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
+from mgs.core.contact import Side
 from mgs.motion import Motion
 from mgs.report.canvas import INK, SIDE_COLOURS
 from mgs.report.panels import Line, Panel, draw_panels
-from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
+from mgs.robot import Robot
 
-Array = NDArray[np.float64]
 COLUMNS = 3
 SHOW_LIMIT_ABOVE = 0.5  # of the limit; a smaller peak would be a flat line between far limits
 

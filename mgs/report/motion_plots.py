@@ -7,13 +7,12 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from mgs.core.progress import Progress
 from mgs.motion import Motion
 from mgs.report.balance import plot_balance
 from mgs.report.canvas import Format, figure_paths, save_figures
 from mgs.report.ground import plot_above
 from mgs.report.joints import plot_positions, plot_torques, plot_velocities
-
-Progress = Callable[[int, int], None]
 
 MOTION_PLOTS: dict[str, Callable[[Motion], Figure]] = {
     "above": plot_above,

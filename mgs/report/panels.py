@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from mgs.contact import Support
+from mgs.core.contact import Support
 from mgs.report.canvas import (
     BLUE,
     FAINT,

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from mgs.contact import Support
+from mgs.core.arrays import Array
+from mgs.core.contact import Support
 from mgs.motion import Motion
 from mgs.report.balance import support_spans
 from mgs.report.canvas import (
@@ -26,7 +26,6 @@ from mgs.report.ground import draw_above, footstep_corners
 from mgs.report.robot_drawing import box_corners, draw_robot, view_from
 from mgs.report.scenery import NEARBY, draw_scene
 
-Array = NDArray[np.float64]
 WIDTH = 9.2  # [inch]
 VIEW = view_from(-58.0, 14.0)  # from the right and front: the robot walks to the right
 N_POSES, MIN_PLACES = 8, 6  # drawn at most; as wide as so many, even where there are fewer

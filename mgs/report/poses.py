@@ -10,13 +10,11 @@ import numpy as np
 import pinocchio as pin
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from mgs.core.arrays import Array
 from mgs.report.canvas import FAINT, LABEL, TICK, TITLE, new_figure
 from mgs.report.robot_drawing import View, box_corners, draw_robot
 from mgs.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,13 +14,13 @@ import pinocchio as pin
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from mgs.contact import Side
+from mgs.core.arrays import Array
+from mgs.core.contact import Side
 from mgs.report.canvas import SIDE_COLOURS
 from mgs.robot import Robot, shape_corners
 
-Array = NDArray[np.float64]
 TRUNK_COLOUR, GHOST_COLOUR = "0.72", "0.6"
 # of `UNIT_CORNERS` those of each face, counter-clockwise seen from outside
 FACES = np.array(
@@ -118,7 +118,7 @@ def _normals(faces: Array) -> Array:
 
 @functools.lru_cache(maxsize=8)
 def _local_corners(robot: Robot) -> Array:
-    return shape_corners(robot)
+    return shape_corners(robot.geometry)
 
 
 @functools.lru_cache(maxsize=8)

@@ -6,14 +6,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.patches import Circle
-from numpy.typing import NDArray
 
-from mgs.geometry import convex_hull
+from mgs.core.arrays import Array
+from mgs.core.geometry import convex_hull
+from mgs.core.scene import Ball, Box, Scene
 from mgs.report.canvas import FAINT
 from mgs.report.robot_drawing import View
-from mgs.scene import Ball, Box, Scene
 
-Array = NDArray[np.float64]
 BODY, TOP, BALL = "0.90", "0.82", "#E69F00"
 NEARBY = 0.4  # of the CoM's height, from a robot in a strip: no more of a box is drawn
 

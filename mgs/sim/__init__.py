@@ -1,8 +1,8 @@
 """Open-loop replay of motions in physics engines."""
 
+from mgs.core.progress import Progress
 from mgs.sim.agreement import Agreement, agreement
 from mgs.sim.engine import available_engines
-from mgs.sim.playback import Progress
 from mgs.sim.replay import Replay, Trace, replay
 from mgs.sim.settings import DEFAULTS, ENGINES, SERVOS, EngineName, ServoName, Settings
 from mgs.sim.strike import Strike

@@ -10,14 +10,13 @@ import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from mgs.geometry import wrap_angle
+from mgs.core.arrays import Array
+from mgs.core.geometry import wrap_angle
 from mgs.sim.measure import travel
 from mgs.sim.replay import Replay
 
-Array = NDArray[np.float64]
 WINDOW = 0.05  # [s]
 LEAST_LOAD = 0.5  # of the mean load, for there to be a ZMP worth comparing
 

@@ -11,12 +11,11 @@ from typing import Protocol
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from mgs.errors import SimulationError
-from mgs.robot import FLOATING_BASE_NV, Robot
-
-Array = NDArray[np.float64]
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NV
+from mgs.core.errors import SimulationError
+from mgs.robot import Robot
 
 MASS_TOLERANCE = 1e-3  # [kg]
 LENGTH_TOLERANCE = 1e-3  # [m]

@@ -11,13 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from mgs.core.arrays import Array
+from mgs.core.scene import Box
 from mgs.motion import Motion
 from mgs.robot import Robot
-from mgs.scene import Box
 
-Array = NDArray[np.float64]
 BUMP_SIZE = 0.02  # [m] edge of a bump, a flat square
 
 

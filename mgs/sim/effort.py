@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from mgs.core.arrays import Array
 
 SATURATED = 0.999  # of the stall torque
 

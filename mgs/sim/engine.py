@@ -8,18 +8,14 @@ from __future__ import annotations
 import importlib.util
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-from mgs.errors import SimulationError
+from mgs.core.arrays import Array
+from mgs.core.errors import SimulationError
+from mgs.core.scene import EMPTY, Scene
 from mgs.robot import Robot
-from mgs.scene import EMPTY, Scene
 from mgs.sim.audit import EngineModel, audit
 from mgs.sim.conditions import Conditions
 from mgs.sim.servo import JointState
 from mgs.sim.settings import ENGINES, EngineName, ServoName, Settings
-
-Array = NDArray[np.float64]
 
 
 class Engine(Protocol):

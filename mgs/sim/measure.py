@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mgs.contact import Side, Support
-from mgs.geometry import wrap_angle, yaw_from_quat_xyzw
-
-Array = NDArray[np.float64]
+from mgs.core.arrays import Array
+from mgs.core.contact import Side, Support
+from mgs.core.geometry import wrap_angle, yaw_from_quat_xyzw
 
 LANDED = 0.05  # of the weight that a sole bears when it has landed
 TOUCHDOWN = 0.02  # [s] at both ends of a support phase that are left out of its slip

@@ -15,13 +15,11 @@ from xml.etree import ElementTree
 import coal
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from mgs.contact import Side
+from mgs.core.contact import Side
 from mgs.robot import Robot
-from mgs.urdf_text import Shape, add_link, add_revolute, joint_axis, numbers
+from mgs.robot.urdf_text import Shape, add_link, add_revolute, joint_axis, numbers
 
-Array = NDArray[np.float64]
 BASE_LINK = "base"
 SOLE_THICKNESS = 0.1  # of the sole box, relative to the shorter side of the sole
 

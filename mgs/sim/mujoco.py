@@ -5,24 +5,23 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mgs.geometry import quat_xyzw_from_yaw
-from mgs.robot import FLOATING_BASE_NQ, Robot
-from mgs.scene import BALL_FRICTION, EMPTY, Scene
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ, GRAVITY
+from mgs.core.geometry import quat_xyzw_from_yaw
+from mgs.core.scene import BALL_FRICTION, EMPTY, Scene
+from mgs.robot import Robot
 from mgs.sim.audit import EngineModel
 from mgs.sim.conditions import Conditions, bumps, gravity_on_slope
 from mgs.sim.model import link_name, simulation_urdf
 from mgs.sim.servo import JointState
 from mgs.sim.settings import ServoName, Settings
 
-Array = NDArray[np.float64]
 XYZW_FROM_WXYZ = [1, 2, 3, 0]
 WXYZ_FROM_XYZW = [3, 0, 1, 2]
 IMPRATIO = 10.0  # friction this much stiffer than the normal contact: soles do not creep
 CONTACT_TIME = 0.005  # [s] of MuJoCo's contact spring; 0.02 by default lets the robot tilt
 ROTOR_ACCELERATION = 1500.0  # [rad/s^2] at stall, of servos whose armature is not known
-GRAVITY = 9.81  # [m/s^2]
 
 
 class MujocoEngine:

@@ -14,21 +14,21 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from mgs.contact import Side
-from mgs.errors import DivergenceError
-from mgs.geometry import sole_corners
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
+from mgs.core.contact import Side
+from mgs.core.errors import DivergenceError
+from mgs.core.geometry import sole_corners
+from mgs.core.progress import Progress
 from mgs.motion import Motion
-from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
-from mgs.servos import Commands, Servos
+from mgs.motion.servo_commands import Commands
+from mgs.robot import Robot, Servos
 from mgs.sim.conditions import Conditions
 from mgs.sim.effort import Effort
 from mgs.sim.engine import Engine
 from mgs.sim.measure import angle_between
 from mgs.sim.servo import ServoModel
 from mgs.sim.settings import Settings
-
-Array = NDArray[np.float64]
-Progress = Callable[[int, int], None]  # samples done, samples in all
 
 FALL_TILT = float(np.radians(45.0))  # of the torso's vertical against the plan's
 FALL_HEIGHT = 0.6  # of the base above the ground, relative to the plan's

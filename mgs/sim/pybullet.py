@@ -12,21 +12,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mgs.geometry import quat_xyzw_from_yaw
-from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot
-from mgs.scene import BALL_FRICTION, EMPTY, Scene
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV, GRAVITY
+from mgs.core.geometry import quat_xyzw_from_yaw
+from mgs.core.scene import BALL_FRICTION, EMPTY, Scene
+from mgs.robot import Robot
 from mgs.sim.audit import EngineModel
 from mgs.sim.conditions import Conditions, bumps, gravity_on_slope
 from mgs.sim.model import simulation_urdf
 from mgs.sim.servo import JointState
 from mgs.sim.settings import ServoName, Settings
 
-Array = NDArray[np.float64]
 BASE = -1  # PyBullet's index of the base link
 CORRECTION_TIME = 0.005  # [s] in which a motor makes up for an error of position
-GRAVITY = 9.81  # [m/s^2]
 
 
 class PybulletEngine:

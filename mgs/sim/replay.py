@@ -20,20 +20,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mgs.errors import SimulationError
-from mgs.geometry import wrap_angle
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ, GRAVITY
+from mgs.core.errors import SimulationError
+from mgs.core.geometry import wrap_angle
+from mgs.core.progress import Progress
 from mgs.motion import Motion
-from mgs.robot import FLOATING_BASE_NQ
-from mgs.servos import Commands, servo_commands, servos_of
+from mgs.motion.servo_commands import Commands, servo_commands
+from mgs.robot import servos_of
 from mgs.sim.conditions import Conditions, disturbed
 from mgs.sim.engine import make_engine, require
 from mgs.sim.measure import angle_between, largest_slip, travel
-from mgs.sim.playback import Progress, Recording, fallen, play, poses_along
+from mgs.sim.playback import Recording, fallen, play, poses_along
 from mgs.sim.settings import DEFAULTS, SERVOS, EngineName, ServoName, Settings
 from mgs.sim.strike import Strike, measure_strike
 
-Array = NDArray[np.float64]
-GRAVITY = 9.81  # [m/s^2]
 STANDING_TIME = 0.3  # [s] at the end of a motion without balance
 STANDING_TILT_DEG = 10.0
 STANDING_LOAD = 0.2  # of the weight, on each sole
@@ -121,8 +122,8 @@ def replay(
         settings: None for the engine's defaults.
         progress: called with samples done and samples in all.
         servo: "ideal", or "model" for those that robot.yaml describes.
-        feed_forward: whether servos are told the commands of `mgs.servos.servo_commands` rather
-            than the planned joint angles; None: modelled ones are.
+        feed_forward: whether servos are told the commands of `mgs.motion.servo_commands`
+            rather than the planned joint angles; None: modelled ones are.
         conditions: how robot, servos and floor differ from the plan's; None: not at all.
 
     Raises:

@@ -1,8 +1,8 @@
 """Servos with finite stiffness, speed and attention, stepped together with either engine.
 
-The law is that of mgs.servos, evaluated at the beginning of every physics step. Beside the torque
-it gives the speed at which that torque would be zero: a motor pushes towards this speed and not
-past it. An engine that lets the torque stop there has the damping right however light the link.
+The law is that of mgs.robot.servos, evaluated at the beginning of every physics step. Beside the
+torque it gives the speed at which that torque would be zero: a motor pushes towards this speed and
+not past it. An engine that lets the torque stop there has the damping right however light the link.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from mgs.servos import Servos
+from mgs.core.arrays import Array
+from mgs.robot import Servos
 
-Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 NO_TICK = 1e-12  # [rad] resolution of a servo that has none

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mgs.geometry import wrap_angle
-from mgs.scene import Ball
+from mgs.core.arrays import Array
+from mgs.core.geometry import wrap_angle
+from mgs.core.scene import Ball
 
-Array = NDArray[np.float64]
 STRUCK = 0.05  # [m/s] at which a ball counts as struck
 AFTER = 0.1  # [s] from contact to the measurement of its speed
 

@@ -8,17 +8,16 @@ roll (z-y-x), each about the axes that the ones before it have turned.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mgs.contact import Side, Support
-from mgs.errors import InfeasibleGaitError
+from mgs.core.arrays import Array
+from mgs.core.contact import Side, Support
+from mgs.core.errors import InfeasibleGaitError
+from mgs.core.geometry import quat_multiply, quat_xyzw_from_rpy, quat_xyzw_from_yaw, quintic
 from mgs.gait import AnyChannel, ConstantChannel, FigureEightChannel, RampChannel, SineChannel
-from mgs.geometry import quat_multiply, quat_xyzw_from_rpy, quat_xyzw_from_yaw, quintic
 from mgs.motion_planner import MotionPlan
 from mgs.motion_planner.motion_plan import BodyPlan
 from mgs.trajectory_planner.task_trajectory import TaskTrajectory
 
-Array = NDArray[np.float64]
 COORDINATES = [
     f"{task}_{axis}"
     for task, axes in {

@@ -8,14 +8,13 @@ spare.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import minimum_filter1d, uniform_filter1d
 
-from mgs.contact import Side
-from mgs.geometry import rotate_planar
+from mgs.core.arrays import Array
+from mgs.core.contact import Side
+from mgs.core.geometry import rotate_planar
 from mgs.motion_planner.motion_plan import LegReach
 
-Array = NDArray[np.float64]
 SMOOTHING = 0.4  # [s] over which the height changes
 N_SMOOTHINGS = 3  # by moving averages: the more, the more often differentiable
 

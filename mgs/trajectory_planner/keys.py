@@ -9,14 +9,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mgs.contact import Side, Support
-from mgs.geometry import quat_xyzw_from_yaw, quintic, slerp
+from mgs.core.arrays import Array
+from mgs.core.contact import Side, Support
+from mgs.core.geometry import quat_xyzw_from_yaw, quintic, slerp
 from mgs.motion_planner import MotionPlan
 from mgs.motion_planner.motion_plan import KeyPlan
 from mgs.trajectory_planner.balance import load_left
 from mgs.trajectory_planner.task_trajectory import TaskTrajectory
-
-Array = NDArray[np.float64]
 
 
 def plan_key_trajectories(plan: MotionPlan, keys: KeyPlan) -> TaskTrajectory:

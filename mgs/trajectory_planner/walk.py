@@ -10,16 +10,15 @@ single support: a sole that meets the ground before its time then neither scuffs
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mgs.contact import Side, Support
-from mgs.geometry import bump, quat_multiply, quat_xyzw_from_yaw, quintic, rotate_planar
-from mgs.knots import evaluate
+from mgs.core.arrays import Array
+from mgs.core.contact import Side, Support
+from mgs.core.curves import evaluate
+from mgs.core.geometry import bump, quat_multiply, quat_xyzw_from_yaw, quintic, rotate_planar
 from mgs.motion_planner import MotionPlan, Phase
 from mgs.trajectory_planner.com_height import height_within_reach
 from mgs.trajectory_planner.task_trajectory import TaskTrajectory
 
-Array = NDArray[np.float64]
 LANDING_SPEED = 1.0 / 3.0  # on average, in step heights per single support
 
 

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 from mgs.com_generator import generate_com
+from mgs.core.geometry import quintic
 from mgs.gait import load_gait
-from mgs.geometry import quintic
 from mgs.ik_solver import solve_ik
 from mgs.motion_file import write_motion
 from mgs.motion_planner import plan_motion
 from mgs.pipeline import assemble
 from mgs.robot import load_robot
 from mgs.trajectory_planner import plan_trajectories
-from tests.cli.run import SHORT_WALK, run
+from tests.support.commands import SHORT_WALK, run
 
 
 @pytest.fixture(scope="session")

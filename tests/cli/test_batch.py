@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from mgs.batch.run import Summary
-from tests.cli.run import files_below, run, run_process
-from tests.libraries import LENGTHS, write_sweep
+from mgs.library.run import Summary
+from tests.support.commands import files_below, run, run_process
+from tests.support.libraries import LENGTHS, write_sweep
 
 Made = tuple[Path, Summary]
 N = 2 * len(LENGTHS)

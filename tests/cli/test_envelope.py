@@ -11,7 +11,7 @@ import pytest
 from mgs.gait import load_gait
 from mgs.robot import find_robot
 from mgs.sim import available_engines
-from tests.cli.run import files_below, run
+from tests.support.commands import files_below, run
 
 needs_mujoco = pytest.mark.skipif(
     "mujoco" not in available_engines(), reason="MuJoCo is not installed"

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from mgs.experiments import Claim
-from tests.cli.run import files_below, run, run_process
+from tests.support.commands import files_below, run, run_process
 
 KEYS = {"id", "claim", "figure", "holds", "note"}
 HOLDS = Claim("first", "one is one", "1.000", True, values={"one": 1.0})

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mgs.motion_file import read_motion
-from tests.cli.run import files_below, run
+from tests.support.commands import files_below, run
 
 LONG_WALK = ("melson/walk_practical", "--set", "com.passes=0", "--set", "walk.n_steps=8")
 

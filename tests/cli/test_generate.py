@@ -12,11 +12,11 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import mgs.pipeline
-from mgs.gait import shipped_folder
+import mgs.pipeline.stages
+from mgs.core.shipped import shipped_folder
 from mgs.motion_file import read_motion
-from tests.cli.run import SHORT_WALK, files_below, run, run_process
-from tests.strategies import balance_gait, constant, numbers, sine
+from tests.support.commands import SHORT_WALK, files_below, run, run_process
+from tests.support.strategies import balance_gait, constant, numbers, sine
 
 MELSON = shipped_folder("robots") / "melson"
 STAGES = ("motion_planner", "trajectory_planner", "com_generator", "ik_solver", "write", "total")
@@ -334,7 +334,7 @@ def test_whatever_interrupts_a_stage_leaves_no_file(
     if "." in place:
         monkeypatch.setattr(place, interrupt)
     else:
-        monkeypatch.setattr(mgs.pipeline, place, interrupt)
+        monkeypatch.setattr(mgs.pipeline.stages, place, interrupt)
     result = run("generate", *SHORT_WALK, "-o", "new/walk.mcap")
     assert (result.exit_code, result.stdout) == (1, "")
     assert message in result.stderr

@@ -11,7 +11,7 @@ import pytest
 
 import mgs
 from mgs.cli import main
-from tests.cli.run import run
+from tests.support.commands import run
 
 HEAVY = [
     *("numpy", "scipy", "pinocchio", "control", "matplotlib", "pybullet", "mujoco", "mcap"),

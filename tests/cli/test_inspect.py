@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from mgs.motion_file import read_info
-from tests.cli.run import files_below, run
+from tests.support.commands import files_below, run
 
 
 def test_info_prints_what_the_file_says_of_itself(walk_file: Path):

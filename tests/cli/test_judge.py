@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from mgs.checks import check_motion
+from mgs.judge.motion_checks import check_motion
 from mgs.motion_file import read_motion, write_motion
 from mgs.robot import build_robot
 from mgs.sim import available_engines
-from tests.cli.run import files_below, run, run_process
+from tests.support.commands import files_below, run, run_process
 
 CHECK_KEYS = {"name", "ok", "value", "limit", "unit", "time", "where"}
 REPLAY_KEYS = {

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.cli.malformed import KINDS, VALID_BYTES
-from tests.cli.run import files_below, run
+from tests.support.commands import files_below, run
+from tests.support.malformed import KINDS, VALID_BYTES
 
 MOST_LINES, LONGEST_LINE = 25, 450
 PER_KIND = 30

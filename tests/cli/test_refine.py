@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-import mgs.refine
+import mgs.search.refine
 from mgs.motion_file import read_motion
 from mgs.sim import available_engines
-from tests.cli.run import run
+from tests.support.commands import run
 
 pytestmark = pytest.mark.skipif(
     "mujoco" not in available_engines(), reason="MuJoCo is not installed"
@@ -38,7 +38,7 @@ def test_a_better_motion_is_written_and_told(walk_file: Path, tmp_path: Path):
 def test_where_nothing_is_better_nothing_is_written(
     walk_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(mgs.refine, "_why_not", lambda old, new: "no better in mujoco")
+    monkeypatch.setattr(mgs.search.refine, "_why_not", lambda old, new: "no better in mujoco")
     path = tmp_path / "no.mcap"
     result = run("refine", walk_file, *QUICK, "--attempts", "1", "-o", path)
     assert result.exit_code == 1

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from mgs.gait import shipped_folder
-from tests.cli.run import SHORT_WALK, files_below, run
+from mgs.core.shipped import shipped_folder
+from tests.support.commands import SHORT_WALK, files_below, run
 
 MELSON = shipped_folder("robots") / "melson"
 YAML = (MELSON / "robot.yaml").read_text()

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.bipeds import Biped
-from tests.cli.run import run
+from tests.support.bipeds import Biped
+from tests.support.commands import run
 
 
 @pytest.fixture

@@ -10,12 +10,13 @@ from typing import Any
 import pytest
 import yaml
 
-from mgs.config import Model
-from mgs.gait import GAITS, BalanceGait, SequenceGait, WalkGait, shipped_folder
+from mgs.core.config import Model
+from mgs.core.shipped import shipped_folder
+from mgs.gait import GAITS, BalanceGait, SequenceGait, WalkGait
 from mgs.robot import RobotSpec
-from tests.cli.malformed import LEAVES, NUMBERS, VALID
-from tests.cli.run import run
-from tests.strategies import balance_gait, constant, figure_eight, ramp, sine, walk_gait
+from tests.support.commands import run
+from tests.support.malformed import LEAVES, NUMBERS, VALID
+from tests.support.strategies import balance_gait, constant, figure_eight, ramp, sine, walk_gait
 
 jsonschema = pytest.importorskip("jsonschema")
 

@@ -11,7 +11,7 @@ import pytest
 from mgs.gait import SequenceGait
 from mgs.motion_file import read_motion
 from mgs.sim import available_engines
-from tests.cli.run import run
+from tests.support.commands import run
 
 QUICK = "com.preview: 0.8, walk.lead_in: 0.8, walk.lead_out: 0.8, walk.n_steps: 2, com.passes: 0"
 TEXT = f"""

@@ -13,15 +13,15 @@ from scipy.optimize import lsq_linear
 from scipy.spatial import ConvexHull
 
 from mgs.com_generator import ComTrajectory, generate_com
-from mgs.contact import Side, Support
-from mgs.errors import ConfigError, InfeasibleGaitError, MgsError
+from mgs.core.contact import Side, Support
+from mgs.core.errors import ConfigError, InfeasibleGaitError, MgsError
+from mgs.core.geometry import polygon_margins
 from mgs.gait import ComParameters, load_gait
-from mgs.geometry import polygon_margins
 from mgs.motion_planner import plan_motion
 from mgs.pipeline import generate
 from mgs.robot import Robot, load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
-from tests.strategies import numbers, walk_gait
+from tests.support.strategies import numbers, walk_gait
 
 GRAVITY = 9.81
 WALKS = ["melson/walk_practical", "melson/walk_arc", "coman/walk"]

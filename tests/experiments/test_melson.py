@@ -9,15 +9,15 @@ import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
-from mgs.contact import Side, Support
-from mgs.dynamics import place_on_soles
-from mgs.errors import OutputExistsError
+from mgs.core.contact import Side, Support
+from mgs.core.errors import OutputExistsError
 from mgs.experiments import Claim, melson, run
 from mgs.experiments.melson.claims import all_claims, drift_claims, task_claims, torque_claims
 from mgs.experiments.melson.figures import NAMES, plot_drift, plot_joint
 from mgs.experiments.melson.gravity import gravity_cost, gravity_torques
 from mgs.experiments.melson.runs import Study, drift_series, is_same_task, solve, tracking_errors
 from mgs.gait import load_gait
+from mgs.motion.dynamics import place_on_soles
 from mgs.pipeline import Stages, generate
 from mgs.robot import Robot
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mgs.com_generator.preview import preview_gains
-from mgs.errors import OutputExistsError
+from mgs.core.errors import OutputExistsError
 from mgs.experiments import run
 from mgs.experiments.claim import Claim
 from mgs.experiments.preview.figures import NAMES, plot_step

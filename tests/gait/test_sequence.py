@@ -9,7 +9,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mgs.errors import ConfigError
+from mgs.core.errors import ConfigError
 from mgs.gait import SequenceGait, load_gait, parse_gait
 
 INLINE = "gait: {mgs: 1, motion: walk, walk: {n_steps: 2}}"

@@ -8,17 +8,17 @@ import pytest
 from numpy.testing import assert_allclose
 
 from mgs.com_generator import ComTrajectory, generate_com
-from mgs.contact import Side, Support
-from mgs.errors import ConfigError, IkError, InfeasibleGaitError, JointLimitError
+from mgs.core.contact import Side, Support
+from mgs.core.errors import ConfigError, IkError, InfeasibleGaitError, JointLimitError
 from mgs.gait import Gait, IkParameters, WalkGait, load_gait
 from mgs.ik_solver import SOLVERS, JointTrajectory, solve_ik
 from mgs.ik_solver.clik import ClosedLoopIk, gravity_gain_profile, rest_profile
-from mgs.ik_solver.tree_tasks import TreeTasks
+from mgs.ik_solver.tree.tasks import TreeTasks
 from mgs.motion_planner import plan_motion
 from mgs.pipeline import Stages, generate
 from mgs.robot import Robot, build_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
-from tests.strategies import balance_gait, constant, figure_eight, sine, walk_gait
+from tests.support.strategies import balance_gait, constant, figure_eight, sine, walk_gait
 
 SHORT = {"n_steps": 2, "step_length": 0.05, "first_support": "left", "double_support": 0.5}
 

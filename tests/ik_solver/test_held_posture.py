@@ -7,10 +7,11 @@ import pinocchio as pin
 import pytest
 from numpy.testing import assert_allclose
 
-from mgs.contact import Side
+from mgs.core.constants import FLOATING_BASE_NQ
+from mgs.core.contact import Side
 from mgs.pipeline import generate
-from mgs.robot import FLOATING_BASE_NQ, load_robot
-from tests.strategies import keyframes_gait, pick_up_gait
+from mgs.robot import load_robot
+from tests.support.strategies import keyframes_gait, pick_up_gait
 
 MELSON = load_robot("melson")
 KEYS = (

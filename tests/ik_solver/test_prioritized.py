@@ -9,23 +9,23 @@ import pinocchio as pin
 import pytest
 from numpy.testing import assert_allclose
 
-from mgs.checks import check_motion
 from mgs.com_generator import ComTrajectory, generate_com
-from mgs.contact import Side, Support
-from mgs.errors import ConfigError, IkError, JointLimitError
+from mgs.core.contact import Side, Support
+from mgs.core.errors import ConfigError, IkError, JointLimitError
 from mgs.gait import Gait, WalkGait, load_gait
 from mgs.ik_solver import JointTrajectory, solve_ik
-from mgs.ik_solver.body_tasks import BodyTasks
-from mgs.ik_solver.constraints import (
+from mgs.ik_solver.floating.constraints import (
     base_velocity,
     feasibility,
     handover_profile,
     refuse_infeasible,
 )
-from mgs.ik_solver.jacobian_rate import JacobianRate
-from mgs.ik_solver.misses import measure_tasks
+from mgs.ik_solver.floating.jacobian_rate import JacobianRate
+from mgs.ik_solver.floating.priority_levels import PriorityLevels
+from mgs.ik_solver.floating.tasks import BodyTasks
 from mgs.ik_solver.prioritized import PrioritizedIk, PrioritizedRun
-from mgs.ik_solver.priority_levels import PriorityLevels
+from mgs.ik_solver.residuals import measure_tasks
+from mgs.judge.motion_checks import check_motion
 from mgs.motion_planner import plan_motion
 from mgs.pipeline import Stages, generate
 from mgs.robot import Robot, load_robot

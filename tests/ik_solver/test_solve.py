@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mgs.errors import InfeasibleGaitError
+from mgs.core.errors import InfeasibleGaitError
 from mgs.gait import load_gait
 from mgs.ik_solver import SOLVERS
 from mgs.ik_solver.solve import solve_ik

@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given
 from numpy.testing import assert_allclose
 
-from mgs.contact import Side, Support
-from mgs.errors import ConfigError
+from mgs.core.contact import Side, Support
+from mgs.core.errors import ConfigError
 from mgs.gait import BalanceGait
 from mgs.motion_planner import MotionPlan, plan_motion
 from mgs.motion_planner.motion_plan import BodyPlan
 from mgs.motion_planner.standing import standing_figures
 from mgs.robot import Robot, load_robot
-from tests.strategies import balance_gait, balances, constant, figure_eight, sine
+from tests.support.strategies import balance_gait, balances, constant, figure_eight, sine
 
 MELSON = load_robot("melson")
 

@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from mgs.contact import Footstep, Side, Support
-from mgs.errors import ConfigError, InfeasibleGaitError
+from mgs.core.contact import Footstep, Side, Support
+from mgs.core.errors import ConfigError, InfeasibleGaitError
 from mgs.motion_planner import MotionPlan, plan_motion
 from mgs.robot import load_robot
-from tests.strategies import numbers, walk_gait
+from tests.support.strategies import numbers, walk_gait
 
 MELSON = load_robot("melson")
 ROUNDING = 1e-12  # [m], [rad]

@@ -10,13 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from mgs.contact import Side
-from mgs.errors import ConfigError
+from mgs.core.contact import Side
+from mgs.core.errors import ConfigError
 from mgs.gait import GoalParameters
 from mgs.motion_planner import plan_motion
 from mgs.motion_planner.goal import StepLimits, along_twist, way_to_goal
 from mgs.robot import load_robot
-from tests.strategies import walk_gait
+from tests.support.strategies import walk_gait
 
 MELSON = load_robot("melson")
 LIMITS = StepLimits(length=0.05, lateral=0.03, inward=0.01, yaw=0.2)

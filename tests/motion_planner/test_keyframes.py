@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mgs.contact import Side
-from mgs.errors import ConfigError
+from mgs.core.contact import Side
+from mgs.core.errors import ConfigError
 from mgs.motion_planner import plan_motion
-from mgs.motion_planner.limbs import arm_joints, leg_joints
-from mgs.robot import load_robot
-from tests.strategies import keyframes_gait
+from mgs.robot import arm_mask, leg_mask, load_robot
+from tests.support.strategies import keyframes_gait
 
 MELSON = load_robot("melson")
 
@@ -25,9 +24,9 @@ def test_legs_and_arms_are_the_groups_of_the_robot(name: str):
     def names(mask: np.ndarray) -> set[str]:
         return {robot.joint_names[j] for j in np.flatnonzero(mask)}
 
-    assert names(leg_joints(robot)) == {*groups["left_leg"], *groups["right_leg"]}
+    assert names(leg_mask(robot)) == {*groups["left_leg"], *groups["right_leg"]}
     for side in Side:
-        assert names(arm_joints(robot, side)) == set(groups[f"{side.label}_arm"])
+        assert names(arm_mask(robot, side)) == set(groups[f"{side.label}_arm"])
 
 
 @pytest.mark.parametrize(

@@ -10,10 +10,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from mgs.contact import Side, Support
-from mgs.errors import ConfigError, InfeasibleGaitError
+from mgs.core.contact import Side, Support
+from mgs.core.errors import ConfigError, InfeasibleGaitError
+from mgs.core.geometry import yaw_from_quat_xyzw
 from mgs.gait import KickGait
-from mgs.geometry import yaw_from_quat_xyzw
 from mgs.motion_planner import MotionPlan, plan_motion
 from mgs.pipeline import generate
 from mgs.robot import load_robot

@@ -11,13 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from mgs.contact import Side
-from mgs.errors import ConfigError, InfeasibleGaitError
+from mgs.core.contact import Side
+from mgs.core.errors import ConfigError, InfeasibleGaitError
 from mgs.motion_planner import plan_motion
 from mgs.motion_planner.standing_model import StandingModel
 from mgs.motion_planner.static_pose import find_pose
 from mgs.robot import Robot, load_robot
-from tests.strategies import numbers, pick_up_gait
+from tests.support.strategies import numbers, pick_up_gait
 
 MELSON = load_robot("melson")
 ASKED = [0.133, -0.09, 0.03]  # 80 mm in front of the soles, 30 mm above the ground

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from mgs.gait import list_gaits, load_gait, parse_gait
 from mgs.motion_planner import for_robot
 from mgs.robot import leg_length, load_robot
-from mgs.robot_init import init_robot
-from tests.bipeds import Biped
+from mgs.robot.init import init_robot
+from tests.support.bipeds import Biped
 
 MELSON = load_robot("melson")
 GENERIC = "mgs: 1\nmotion: walk\nwalk: {n_steps: 4, sizes: robot}"

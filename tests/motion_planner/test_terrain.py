@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mgs.contact import Side, Support
-from mgs.errors import InfeasibleGaitError
-from mgs.geometry import sole_corners, yaw_from_quat_xyzw
+from mgs.core.contact import Side, Support
+from mgs.core.errors import InfeasibleGaitError
+from mgs.core.geometry import sole_corners, yaw_from_quat_xyzw
 from mgs.motion_planner import MotionPlan, plan_motion
 from mgs.robot import load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
-from tests.strategies import walk_gait
+from tests.support.strategies import walk_gait
 
 MELSON = load_robot("melson")
 SOLE = MELSON.sole_spec(Side.LEFT)

@@ -10,13 +10,13 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from mgs.contact import Footstep, Side, Support
-from mgs.errors import ConfigError, FootstepError, InfeasibleGaitError
+from mgs.core.contact import Footstep, Side, Support
+from mgs.core.errors import ConfigError, FootstepError, InfeasibleGaitError
 from mgs.gait import Gait, load_gait
 from mgs.motion_planner import MotionPlan, plan_motion
 from mgs.motion_planner.walk import plan_footsteps
 from mgs.robot import Robot, load_robot
-from tests.strategies import numbers, walk_gait, walks
+from tests.support.strategies import numbers, walk_gait, walks
 
 ROUNDING = 1e-12  # [m], [rad]; places are within a few metres
 MELSON = load_robot("melson")  # Hypothesis and fixtures of a test do not mix well

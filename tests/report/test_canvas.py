@@ -8,7 +8,7 @@ from pathlib import Path
 import matplotlib.image
 import pytest
 
-from mgs.errors import MgsError, OutputExistsError
+from mgs.core.errors import MgsError, OutputExistsError
 from mgs.report.canvas import DPI, Figure, Format, new_figure, save_figures
 
 

@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from numpy.typing import NDArray
 
-from mgs.contact import Side
-from mgs.errors import OutputExistsError
-from mgs.geometry import convex_hull, polygon_margins
+from mgs.core.contact import Side
+from mgs.core.errors import OutputExistsError
+from mgs.core.geometry import convex_hull, polygon_margins
 from mgs.motion import Motion
 from mgs.pipeline import Stages
 from mgs.report import MOTION_PLOTS, plot_motion

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 
-from mgs.contact import Side, Support
+from mgs.core.contact import Side, Support
 from mgs.pipeline import Stages
 from mgs.report import picture_strip, write_picture
 from mgs.report.canvas import SIDE_COLOURS, new_figure

@@ -9,14 +9,14 @@ import pinocchio as pin
 import pytest
 from numpy.testing import assert_allclose
 
-from mgs.contact import Side
+from mgs.core.contact import Side
+from mgs.judge.verdict import replay_checks
 from mgs.robot import Robot
 from mgs.sim import DEFAULTS, EngineName, replay
 from mgs.sim.engine import make_engine
-from mgs.verdict import replay_checks
-from tests.conftest import generated
-from tests.sim.motions import standing
-from tests.strategies import pick_up_gait
+from tests.support.motions import standing
+from tests.support.shipped import generated
+from tests.support.strategies import pick_up_gait
 
 
 @pytest.mark.parametrize("servo", ["ideal", pytest.param("model", marks=pytest.mark.slow)])

@@ -13,22 +13,8 @@ from mgs.robot import Robot
 from mgs.sim import replay
 from mgs.sim.conditions import RANGES, Conditions, disturbed, draw, gravity_on_slope
 from mgs.sim.model import simulation_urdf
-from tests.sim.motions import standing
-
-
-def nominal(robot: Robot) -> Conditions:
-    n = robot.n
-    return Conditions(
-        friction=1.0,
-        slope=np.zeros(2),
-        mass=np.ones(n + 1),
-        com=np.zeros(3),
-        gain=np.ones(n),
-        supply=1.0,
-        joint_offset=np.zeros(n),
-        latency=0.0,
-        bumps=np.zeros((0, 3)),
-    )
+from tests.support.motions import standing
+from tests.support.replays import nominal
 
 
 def test_a_draw_is_its_seed_and_number(walk_5cm: Stages):

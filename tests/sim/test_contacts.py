@@ -9,8 +9,8 @@ import pinocchio as pin
 import pytest
 
 from mgs.sim import Replay, agreement, replay
-from tests.sim.motions import DT, leaning, standing, swaying
-from tests.sim.test_conditions import nominal
+from tests.support.motions import DT, leaning, standing, swaying
+from tests.support.replays import nominal
 
 GRAVITY = 9.81
 

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from mgs.errors import SimulationError
+from mgs.core.errors import SimulationError
 from mgs.sim import DEFAULTS, available_engines, engine
 from mgs.sim.audit import audit, random_q
 from mgs.sim.engine import make_engine

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mgs.contact import Side, Support
-from mgs.geometry import quat_xyzw_from_yaw
+from mgs.core.contact import Side, Support
+from mgs.core.geometry import quat_xyzw_from_yaw
 from mgs.sim.effort import Effort
 from mgs.sim.measure import angle_between, largest_slip, travel
 

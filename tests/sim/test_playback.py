@@ -6,9 +6,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from mgs.geometry import sole_corners
+from mgs.core.geometry import sole_corners
 from mgs.sim.playback import Targets, fallen, on_ground, poses_along
-from tests.sim.motions import DT, motion_of, standing
+from tests.support.motions import DT, motion_of, standing
 
 
 def test_targets_follow_a_cubic_exactly(melson):

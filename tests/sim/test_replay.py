@@ -10,20 +10,10 @@ import sys
 import numpy as np
 import pytest
 
-from mgs.errors import SimulationError
+from mgs.core.errors import SimulationError
 from mgs.sim import DEFAULTS, replay
-from tests.sim.motions import DT, leaning, standing, swaying
-
-
-def side_to_side(robot, amplitude, seconds):
-    """The base moves sideways and back."""
-    t = np.arange(round(seconds / DT) + 1) * DT
-    return swaying(robot, amplitude * np.outer(np.sin(np.pi * t / seconds) ** 2, [0.0, 1.0, 0.0]))
-
-
-def figures(result):
-    """All figures that depend on the simulation alone."""
-    return {key: value for key, value in result.to_json().items() if key != "wall_seconds"}
+from tests.support.motions import leaning, standing
+from tests.support.replays import figures, side_to_side
 
 
 def test_a_standing_robot_stays_where_it_is(engine_name, melson):
@@ -102,7 +92,7 @@ ELSEWHERE = """
 import json, sys
 from mgs.robot import load_robot
 from mgs.sim import replay
-from tests.sim.test_replay import figures, side_to_side
+from tests.support.replays import figures, side_to_side
 result = replay(side_to_side(load_robot("melson"), 0.02, 1.0), sys.argv[1])
 print(json.dumps(figures(result)))
 """

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from mgs.core.scene import Ball, Box, Scene
 from mgs.gait import load_gait
+from mgs.judge.verdict import replay_checks
 from mgs.pipeline import generate
 from mgs.robot import load_robot
-from mgs.scene import Ball, Box, Scene
 from mgs.sim import replay
 from mgs.sim.strike import measure_strike
-from mgs.verdict import replay_checks
-from tests.conftest import generated
-from tests.sim.motions import standing
+from tests.support.motions import standing
+from tests.support.shipped import generated
 
 FAR_BALL = Ball(0.5, 0.0, 0.0325, 0.05, 0.0, 0.0, 0.5)
 

@@ -8,19 +8,20 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from mgs.dynamics import analyse
-from mgs.errors import ConfigError, SimulationError
+from mgs.core.errors import ConfigError, SimulationError
 from mgs.gait import load_gait
+from mgs.motion.dynamics import analyse
+from mgs.motion.servo_commands import servo_commands
 from mgs.pipeline import generate
-from mgs.robot import build_robot
-from mgs.servos import SLIP_SPEED, servo_commands, servos_of
+from mgs.robot import build_robot, servos_of
+from mgs.robot.servos import SLIP_SPEED
 from mgs.sim import DEFAULTS, ENGINES, replay
 from mgs.sim.engine import make_engine
 from mgs.sim.mujoco import ROTOR_ACCELERATION
 from mgs.sim.servo import ServoModel
-from tests.sim.motions import DT, standing
-from tests.sim.pendulum import LEVER, MASS, inertia_of, pendulum, step_response
-from tests.sim.test_replay import figures
+from tests.support.motions import DT, standing
+from tests.support.pendulum import LEVER, MASS, inertia_of, pendulum, step_response
+from tests.support.replays import figures
 
 RX28 = {"stall_torque": 2.8, "no_load_speed": 6.27, "stiffness": 17.1}
 

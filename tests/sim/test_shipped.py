@@ -6,9 +6,9 @@ import dataclasses
 
 import pytest
 
-from mgs.checks import check_motion
+from mgs.judge.motion_checks import check_motion
+from mgs.judge.verdict import replay_checks
 from mgs.sim import DEFAULTS, replay
-from mgs.verdict import replay_checks
 
 
 def test_a_shipped_gait_passes_every_static_check(shipped):

@@ -10,16 +10,16 @@ import pinocchio as pin
 import pytest
 from numpy.testing import assert_allclose
 
-from mgs.checks import check_motion
-from mgs.dynamics import place_lowest
-from mgs.errors import ConfigError
+from mgs.core.errors import ConfigError
 from mgs.gait import parse_gait
+from mgs.judge.motion_checks import check_motion
+from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
+from mgs.motion.dynamics import place_lowest
 from mgs.pipeline import generate
 from mgs.robot import Robot
 from mgs.sim import EngineName, replay
-from mgs.verdict import replay_checks
-from tests.strategies import keyframes_gait
+from tests.support.strategies import keyframes_gait
 
 
 def unbalanced(robot: Robot, *keys: dict[str, Any], **frames: Any) -> Motion:

@@ -12,14 +12,14 @@ from numpy.polynomial import Polynomial
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-from mgs.contact import Side, Support
-from mgs.errors import InfeasibleGaitError
+from mgs.core.contact import Side, Support
+from mgs.core.errors import InfeasibleGaitError
 from mgs.gait import BalanceGait
 from mgs.motion_planner import plan_motion
 from mgs.robot import load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 from mgs.trajectory_planner.balance import COORDINATES, displacements
-from tests.strategies import (
+from tests.support.strategies import (
     BODY_TASKS,
     balance_gait,
     balances,

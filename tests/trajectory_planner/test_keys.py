@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given
 from numpy.testing import assert_allclose
 
-from mgs.contact import Side, Support
+from mgs.core.contact import Side, Support
 from mgs.gait import KeyframesGait
 from mgs.motion_planner import plan_motion
 from mgs.robot import leg_length, load_robot, midpoint_width
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
-from tests.strategies import keyframes, keyframes_gait, pick_up_gait
+from tests.support.strategies import keyframes, keyframes_gait, pick_up_gait
 
 MELSON = load_robot("melson")
 

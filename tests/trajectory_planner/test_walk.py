@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.spatial import ConvexHull
 
-from mgs.contact import Footstep, Side, Support
+from mgs.core.contact import Footstep, Side, Support
 from mgs.gait import Gait
 from mgs.motion_planner import MotionPlan, Phase, plan_motion
 from mgs.pipeline import Stages
 from mgs.robot import load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
-from tests.strategies import walk_gait, walks
+from tests.support.strategies import walk_gait, walks
 
 MELSON = load_robot("melson")
 LENGTH, WIDTH = 0.106, 0.06  # [m] of a sole

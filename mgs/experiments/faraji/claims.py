@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from mgs.core.arrays import Array
 from mgs.experiments.claim import Claim
 from mgs.experiments.faraji.runs import (
     BOUNDED,
@@ -17,7 +18,6 @@ from mgs.experiments.faraji.runs import (
     SWAY,
     TILTING,
     TWIST,
-    Array,
     Key,
     Run,
     Study,

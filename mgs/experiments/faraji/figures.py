@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mgs.core.arrays import Array
 from mgs.experiments.faraji.runs import (
     BENT_DEG,
     CROUCHES,
@@ -17,7 +18,6 @@ from mgs.experiments.faraji.runs import (
     SWAY,
     TILTING,
     TWIST,
-    Array,
     Key,
     Run,
     Study,

@@ -6,15 +6,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mgs.experiments.claim import Progress
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ
+from mgs.core.progress import Progress
 from mgs.gait import BalanceGait, load_gait
-from mgs.ik_solver.safety_region import SafetyRegion
+from mgs.ik_solver.floating.safety_region import SafetyRegion
 from mgs.pipeline import Stages, generate
-from mgs.robot import FLOATING_BASE_NQ, Robot, load_robot
-
-Array = NDArray[np.float64]
+from mgs.robot import Robot, load_robot
 
 ROBOT = "coman_legs"
 ITERATED = ("ik2", "ik4", "ik5")  # the methods that n means something for

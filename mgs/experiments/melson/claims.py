@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mgs.contact import Side
+from mgs.core.contact import Side
 from mgs.experiments.claim import Claim
 from mgs.experiments.melson.gravity import gravity_cost
 from mgs.experiments.melson.runs import (

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from mgs.contact import Side, Support
-from mgs.experiments.melson.runs import DRIFT_JOINT, SCENARIOS, Array, Study, angle_of, drift_series
+from mgs.core.arrays import Array
+from mgs.core.contact import Side, Support
+from mgs.experiments.melson.runs import DRIFT_JOINT, SCENARIOS, Study, angle_of, drift_series
 from mgs.report.canvas import BLACK, SKY, VERMILION, Figure, save_figures
 from mgs.report.panels import Line, Panel, draw_panels, shade_single_support
 from mgs.report.poses import Pose, plot_poses

@@ -8,14 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from mgs.contact import Side, Support
-from mgs.ik_solver.tree_tasks import TreeTasks
+from mgs.core.arrays import Array
+from mgs.core.contact import Side, Support
+from mgs.ik_solver.tree.tasks import TreeTasks
 from mgs.pipeline import Stages
 from mgs.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 def gravity_torques(robot: Robot, stages: Stages) -> Array:

@@ -8,15 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mgs.contact import Side, Support
-from mgs.experiments.claim import Progress
+from mgs.core.arrays import Array
+from mgs.core.contact import Side, Support
+from mgs.core.geometry import rotation_angles
+from mgs.core.progress import Progress
 from mgs.experiments.melson.gravity import gravity_torques
 from mgs.gait import load_gait
-from mgs.geometry import rotation_angles
 from mgs.pipeline import Stages, generate
 from mgs.robot import Robot, load_robot
-
-Array = NDArray[np.float64]
 
 WALK, LONG_WALK = "melson/walk_5cm", "melson/walk_30_steps"
 SCENARIOS = {"S1": (0.0, 0.0), "S2": (1.0, 0.0), "S3": (0.35, 1.6)}  # gamma_joint, gamma_grav

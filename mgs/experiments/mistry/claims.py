@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mgs.contact import Side
+from mgs.core.contact import Side
 from mgs.experiments.claim import Claim
 from mgs.experiments.mistry.runs import (
     ACCELERATION,
@@ -27,8 +27,8 @@ from mgs.experiments.mistry.runs import (
     swing_switches,
     switch_accelerations,
 )
-from mgs.ik_solver.body_tasks import BodyTasks
-from mgs.ik_solver.constraints import feasibility
+from mgs.ik_solver.floating.constraints import feasibility
+from mgs.ik_solver.floating.tasks import BodyTasks
 
 CRITICAL = 1e-4  # [m] and [rad]
 DRIFT = 1e-5

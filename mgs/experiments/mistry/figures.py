@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mgs.contact import Side
+from mgs.core.contact import Side
 from mgs.experiments.mistry.runs import (
     EIGHT,
     PROJECTED,

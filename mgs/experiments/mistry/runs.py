@@ -6,18 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from mgs.contact import Side, Support
-from mgs.experiments.claim import Progress
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
+from mgs.core.contact import Side, Support
+from mgs.core.geometry import rotation_angles
+from mgs.core.progress import Progress
 from mgs.gait import load_gait
-from mgs.geometry import rotation_angles
-from mgs.ik_solver.body_tasks import BodyTasks
-from mgs.ik_solver.constraints import base_velocity
+from mgs.ik_solver.floating.constraints import base_velocity
+from mgs.ik_solver.floating.tasks import BodyTasks
 from mgs.pipeline import Stages, generate
-from mgs.robot import FLOATING_BASE_NQ, FLOATING_BASE_NV, Robot, load_robot
-
-Array = NDArray[np.float64]
+from mgs.robot import Robot, load_robot
 
 SWAY, EIGHT, WALK = "coman/sway", "coman/hand_eight", "melson/walk_5cm"
 VELOCITY, ACCELERATION = "prioritized", "prioritized-acceleration"

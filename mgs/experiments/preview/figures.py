@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mgs.experiments.preview.study import SOFT, STEP_BEFORE, STIFF, Array, Study, follow, stepping
+from mgs.core.arrays import Array
+from mgs.experiments.preview.study import SOFT, STEP_BEFORE, STIFF, Study, follow, stepping
 from mgs.gait import ComParameters
 from mgs.report.canvas import (
     BLACK,

@@ -14,12 +14,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mgs.com_generator.preview import PreviewGains, preview_gains
+from mgs.core.arrays import Array
 from mgs.gait import ComParameters
 
-Array = NDArray[np.float64]
 MAX_ITERATIONS, CONVERGED = 20_000, 1e-14  # of the Riccati recursion, relative change
 
 

@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mgs.com_generator import generate_com
-from mgs.com_generator.com_trajectory import GRAVITY
 from mgs.com_generator.preview import follow_zmp
-from mgs.contact import Support
-from mgs.experiments.claim import Claim, Progress
+from mgs.core.arrays import Array
+from mgs.core.constants import GRAVITY
+from mgs.core.contact import Support
+from mgs.core.progress import Progress
+from mgs.experiments.claim import Claim
 from mgs.experiments.preview.servo import (
     Servo,
     iterated_feedback,
@@ -25,8 +27,6 @@ from mgs.gait import ComParameters, load_gait
 from mgs.motion_planner import plan_motion
 from mgs.robot import load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
-
-Array = NDArray[np.float64]
 
 GAIT = "melson/walk_5cm"
 FAST = ("walk.n_steps=10", "walk.single_support=0.4", "walk.double_support=0.1")  # 0.5 s a step

@@ -1,5 +1,0 @@
-"""Gait libraries: from a sweep file to many motion files and one manifest.
-
-sweep.py reads a sweep, points.py makes its points, worker.py makes one gait of one point, run.py
-has Dask's workers make them all and alone writes, manifest.py and lock.py keep what is written.
-"""

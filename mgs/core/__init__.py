@@ -1,0 +1,1 @@
+"""What every room of mgs stands on: errors, geometry, curves, contacts, files, constants."""

@@ -1,0 +1,242 @@
+"""The border to files that people write: safe YAML, strict models, messages that help."""
+
+from __future__ import annotations
+
+import difflib
+import re
+import types
+import typing
+from collections.abc import Hashable, Iterable
+from pathlib import Path
+from typing import Annotated, Any, Literal, NoReturn, TypeVar
+
+import pydantic
+import yaml
+
+from mgs.core.errors import ConfigError
+
+MAX_BYTES = 1_000_000  # no gait or robot file comes near it; keeps a wrong file from filling memory
+MAX_DEPTH = 30  # nesting of any file that we read is below 6
+
+
+class Model(pydantic.BaseModel):
+    """Base of all file models: frozen, strict, no unknown keys, no NaN or infinity."""
+
+    model_config = pydantic.ConfigDict(
+        frozen=True, extra="forbid", strict=True, allow_inf_nan=False, validate_default=True
+    )
+
+
+M = TypeVar("M", bound=Model)
+
+
+def _refuse_true(value: object) -> object:
+    """To Python True and 1.0 equal 1, so that a Literal[1] takes them."""
+    if type(value) is not int:
+        raise ValueError(f"input should be 1, found {_short(value)}")
+    return value
+
+
+FormatVersion = Annotated[Literal[1], pydantic.BeforeValidator(_refuse_true)]
+
+
+class _Loader(yaml.SafeLoader):
+    """Safe loader: 1e-6 is a number; no repeated keys, aliases, tags or deep nesting."""
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        loader: Any = self  # PyYAML's type stubs differ from one version to the next
+        event = loader.peek_event()
+        depth = getattr(self, "depth", 0)
+        if isinstance(event, yaml.AliasEvent):
+            self._refuse(event, "YAML aliases (*name) are not allowed")
+        if event.tag is not None:  # `!!int ""` and its like make PyYAML raise almost anything
+            self._refuse(event, "YAML tags (!name) are not allowed")
+        if depth > MAX_DEPTH:
+            self._refuse(event, f"nested deeper than {MAX_DEPTH} levels")
+        self.depth = depth + 1
+        node = super().compose_node(parent, index)
+        self.depth = depth
+        return node
+
+    def _refuse(self, event: Any, problem: str) -> NoReturn:
+        raise yaml.composer.ComposerError(None, None, problem, event.start_mark)
+
+    def construct_mapping(self, node: Any, deep: bool = False) -> dict[Hashable, Any]:
+        seen: set[Any] = set()
+        for key_node, _ in node.value:
+            key = (key_node.tag, getattr(key_node, "value", None))
+            if isinstance(key_node, yaml.ScalarNode):
+                if key in seen:
+                    raise yaml.constructor.ConstructorError(
+                        None,
+                        None,
+                        f"key {_short(key_node.value)} appears twice",
+                        key_node.start_mark,
+                    )
+                seen.add(key)
+        return super().construct_mapping(node, deep)
+
+
+# YAML 1.1 wants a dot in every float, so that PyYAML reads 1e-6 as text.
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:float",
+    re.compile(r"^[-+]?[0-9][0-9_]*(?:\.[0-9_]*)?[eE][-+]?[0-9]+$"),
+    list("-+0123456789"),
+)
+
+
+def parse_yaml(text: str, source: str | Path) -> Any:
+    """Content of a YAML text; raises ConfigError naming `source`, line and column."""
+    try:
+        return yaml.load(text, Loader=_Loader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
+        raise ConfigError(source, f"{place}{error.problem or error.context}") from error
+    except (yaml.YAMLError, ValueError, OverflowError) as error:
+        raise ConfigError(source, f"not valid YAML: {_short(error)}") from error
+
+
+def read_text(path: Path) -> str:
+    """Text of a file; raises ConfigError when it is missing, too large or not UTF-8."""
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+        if len(data) > MAX_BYTES:
+            raise ConfigError(
+                path, f"larger than {MAX_BYTES // 1000} kB, cannot be one of our files"
+            )
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise ConfigError(path, f"not a text file (byte {error.start} is not UTF-8)") from error
+    except OSError as error:
+        raise ConfigError(path, (error.strerror or str(error)).lower()) from error
+    except ValueError as error:  # a zero byte in the name
+        raise ConfigError(path, str(error)) from error
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; no where the system takes the name for too long to look."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
+def set_key(tree: Any, assignment: str, source: str = "--set") -> None:
+    """Apply one `dotted.key=value` to nested dictionaries in place; the value is read as YAML."""
+    key, equals, value = assignment.partition("=")
+    if not equals or not all(key.strip().split(".")):
+        raise ConfigError(source, f"{_short(assignment)} is not of the form key.sub=value")
+    set_value(tree, key.strip(), parse_yaml(value, f"{source} {key.strip()}"), source)
+
+
+def set_value(tree: Any, key: str, value: object, source: str) -> None:
+    """Put a value at a dotted key of nested dictionaries in place; groups are made as needed."""
+    path = key.split(".")
+    if not all(path) or len(path) > MAX_DEPTH:
+        raise ConfigError(source, f"{_short(key)} is not of the form key.sub")
+    node = tree
+    for part in path[:-1]:
+        node = node.setdefault(part, {}) if isinstance(node, dict) else None
+    if not isinstance(node, dict):
+        raise ConfigError(source, f"{_clip(key, 100)!r}: there is no such group in the file")
+    node[path[-1]] = value
+
+
+def build(model: type[M], tree: Any, source: str | Path) -> M:
+    """Validate a tree; raises one ConfigError with each bad key, its value and what is allowed."""
+    if not isinstance(tree, dict):
+        found = "nothing" if tree is None else f"a {type(tree).__name__}"
+        raise ConfigError(source, f"expected keys and values at the top level, found {found}")
+    try:
+        return model.model_validate(tree)
+    except pydantic.ValidationError as error:
+        items = error.errors(include_url=False)
+        problems = [_explain(model, item) for item in items[: ConfigError.MOST_TOLD]]
+        raise ConfigError(source, problems, len(items)) from error
+    except RecursionError as error:
+        raise ConfigError(source, "nested too deeply") from error
+
+
+def _explain(model: type[Model], item: Any) -> str:
+    keys, options = _locate(model, item["loc"])
+    if keys[1:] and keys[-1] == "[key]" and item["input"] == keys[-2]:  # the key itself is wrong
+        keys.pop()
+    location = _clip(".".join(str(key) for key in keys) or "file", 100)
+    kind, message, found = item["type"], item["msg"], item["input"]
+    if kind == "extra_forbidden":
+        known = list(options[0].model_fields) if len(options) == 1 else []
+        close = difflib.get_close_matches(str(keys[-1])[:40], known, n=1)
+        hint = f"did you mean {close[0]!r}?" if close else f"known here: {', '.join(sorted(known))}"
+        return f"{location}: unknown key; {hint}"
+    if kind == "missing":
+        return f"{location}: missing, it has no default"
+    if kind == "value_error":  # our own validators, which name keys and values themselves
+        message = message.removeprefix("Value error, ")
+        return message if location == "file" else f"{location}: {message}"
+    if kind.startswith("union_tag"):  # an unknown or missing value of the key that names the kind
+        tag = item["ctx"]["discriminator"].strip("'")
+        allowed = ", ".join(repr(value) for option in options for value in _literals(option, tag))
+        if tag not in found:
+            return f"{location}.{tag}: missing, should be one of {allowed}"
+        return f"{location}.{tag}: input should be one of {allowed}, found {_short(found[tag])}"
+    if kind == "model_attributes_type":
+        message = "input should be a valid dictionary"
+    return f"{location}: {message[0].lower()}{message[1:]}, found {_short(found)}"
+
+
+def _locate(model: type[Model], loc: Iterable[Any]) -> tuple[list[Any], list[Any]]:
+    """The keys in the file that a location means, and the models that may stand there.
+
+    For an unknown key these are the models that may hold it. A tagged union puts its tag into the
+    location, where the file has no key of that name.
+    """
+    keys: list[Any] = []
+    annotation: Any = model
+    for part in loc:
+        if typing.get_origin(annotation) is Annotated:
+            annotation = typing.get_args(annotation)[0]
+        options = _options(annotation)
+        if len(options) > 1:
+            annotation = next(
+                o for o in options if any(part in _literals(o, k) for k in o.model_fields)
+            )
+            continue
+        keys.append(part)
+        field = options[0].model_fields.get(part) if options else None
+        if field is not None:
+            annotation = field.annotation
+        elif not options:  # an item of a list, or a key that people choose: the name of a servo
+            annotation = next(iter(reversed(typing.get_args(annotation))), None)
+    return keys, _options(annotation)
+
+
+def _options(annotation: Any) -> list[Any]:
+    """Models that a value of this type may be; none for numbers, lists and so on."""
+    if isinstance(annotation, type) and issubclass(annotation, Model):
+        return [annotation]
+    if typing.get_origin(annotation) in (Annotated, typing.Union, types.UnionType):
+        return [option for part in typing.get_args(annotation) for option in _options(part)]
+    return []
+
+
+def _literals(model: type[Model], key: str) -> tuple[Any, ...]:
+    """Values that a key may have, where they are listed."""
+    annotation = model.model_fields[key].annotation
+    return typing.get_args(annotation) if typing.get_origin(annotation) is Literal else ()
+
+
+def _short(value: object, limit: int = 60) -> str:
+    try:
+        text = str(value) if isinstance(value, Exception) else repr(value)
+    except ValueError:  # Python writes no integer of more than 4300 digits
+        text = "a number of thousands of digits"
+    return _clip(text, limit)
+
+
+def _clip(text: str, limit: int) -> str:
+    """Text on one line, cut where it is too long, without what a terminal would obey."""
+    text = " ".join(text.split())[: limit + 1]
+    text = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+    return text if len(text) <= limit else text[: limit - 3] + "..."

@@ -1,0 +1,118 @@
+"""Tree tasks and static torques of a whole motion at once, in the order of the robot's joints.
+
+Pinocchio is called once a sample and quantity; what it gives is gathered in arrays (N, ...) and
+worked on there. While both soles stand the tasks of either tree are the same set of postures, so
+that a change of root is seen by nothing outside this module.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from mgs.com_generator import ComTrajectory
+from mgs.core.arrays import Array
+from mgs.core.contact import Side
+from mgs.ik_solver.tree.static_loads import StaticLoads, contact_derivative, loaded_gravity
+from mgs.ik_solver.tree.targets import root_spans, tree_targets
+from mgs.ik_solver.tree.tasks import N_TASKS, TURN, TreeTasks
+from mgs.robot import Robot
+from mgs.trajectory_planner import TaskTrajectory
+
+
+class TreeBatch:
+    """Evaluates N samples; `rows` are those of the 15 tasks of which something is asked."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        tasks: TaskTrajectory,
+        com: ComTrajectory,
+        loads: StaticLoads | None,
+    ) -> None:
+        self.tasks, self.loads = tasks, loads
+        self.n, self.n_samples = robot.n, tasks.n_samples
+        asked = tasks.hands_asked
+        self.trees = (TreeTasks(robot, Side.LEFT, asked), TreeTasks(robot, Side.RIGHT, asked))
+        self.spans = list(root_spans(tasks))
+        targets = [tree_targets(tasks, com.position, *span) for span in self.spans]
+        self.positions = np.nan_to_num(np.concatenate([x for x, _ in targets]))
+        self.rotations = np.concatenate([R for _, R in targets])
+        self.rows = np.ones(N_TASKS, dtype=bool)
+        for free in self.trees[0].free_rows:
+            self.rows[free] = False
+
+    def _stand(self, start: int) -> TreeTasks:
+        root = self.tasks.root[start]
+        tree = self.trees[root]
+        tree.place(pin.XYZQUATToSE3(self.tasks.soles[start, root]))
+        return tree
+
+    def errors_at(self, q: Array) -> Array:
+        """Target minus actual (N, m) at q (N, n)."""
+        f, R = np.empty((self.n_samples, 12)), np.empty((self.n_samples, 3, 3))
+        for start, end in self.spans:
+            tree = self._stand(start)
+            q_tree = q[start:end, tree.order]
+            for i in range(end - start):
+                tree.values(q_tree[i], f[start + i], R[start + i])
+        return self._errors(f, R)
+
+    def tasks_at(self, q: Array) -> tuple[Array, Array]:
+        """Target minus actual (N, m) and task Jacobians (N, m, n) at q (N, n)."""
+        f, R = np.empty((self.n_samples, 12)), np.empty((self.n_samples, 3, 3))
+        J = np.empty((self.n_samples, N_TASKS, self.n))
+        for start, end in self.spans:
+            tree = self._stand(start)
+            q_tree, J_tree = q[start:end, tree.order], np.empty((end - start, N_TASKS, self.n))
+            for i in range(end - start):
+                tree.update(q_tree[i])
+                J_tree[i], f[start + i], R[start + i] = tree.J, tree.f, tree.R
+            J[start:end, :, tree.order] = J_tree
+        return self._errors(f, R), J[:, self.rows]
+
+    def _errors(self, f: Array, R: Array) -> Array:
+        error = np.empty((self.n_samples, N_TASKS))
+        np.subtract(self.positions, f, out=error[:, :12])
+        error[:, TURN] = _logs(self.rotations @ R.transpose(0, 2, 1))
+        return error[:, self.rows]
+
+    def torques_at(self, q: Array) -> tuple[Array, Array]:
+        """Static torques tau (N, n) [N m] and dtau/dq (N, n, n) at q (N, n)."""
+        tau, dtau = np.empty((self.n_samples, self.n)), np.empty((self.n_samples, self.n, self.n))
+        for start, end in self.spans:
+            tree = self._stand(start)
+            here = self._torques_of_span(tree, q[start:end, tree.order], start)
+            tau[start:end, tree.order] = here[0]
+            dtau[start:end, tree.order[:, None], tree.order] = here[1]
+        return tau, dtau
+
+    def _torques_of_span(self, tree: TreeTasks, q: Array, start: int) -> tuple[Array, Array]:
+        loads, m, n = self.loads, len(q), self.n
+        tau, dtau = np.empty((m, n)), np.empty((m, n, n))
+        if loads is None or loads.optimal:
+            for i in range(m):
+                tau[i], dtau[i] = loaded_gravity(tree, loads, start + i, q[i])
+            return tau, dtau
+        J = np.empty((m, 6, n))
+        for i in range(m):
+            tau[i], dtau[i] = tree.gravity(q[i])
+            J[i] = tree.data.J
+        loaded, chain = np.flatnonzero(loads.loaded[start : start + m]), tree.chain
+        J = J[loaded[:, None, None], np.arange(6)[:, None], chain]
+        at = loaded[:, None]
+        tau[at, chain] -= (loads.wrench[start + loaded, None] @ J)[:, 0]
+        dtau[at[..., None], chain[:, None], chain] -= contact_derivative(
+            J, loads.cross[start + loaded]
+        )
+        return tau, dtau
+
+
+def _logs(R: Array) -> Array:
+    """Rotation vectors (N, 3) of rotations (N, 3, 3) by less than half a turn."""
+    w = 0.5 * np.stack(
+        [R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1
+    )
+    sine = np.linalg.norm(w, axis=1)
+    angle = np.arctan2(sine, 0.5 * (np.trace(R, axis1=1, axis2=2) - 1.0))
+    return np.asarray(w * np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 1.0)[:, None])

@@ -1,0 +1,137 @@
+"""The robot as a tree that grows out of one sole.
+
+A robot that stands on a sole is a fixed-base manipulator whose root is that sole (Melson paper,
+section 4.2). Pinocchio roots a model where its URDF does; here the chain from the sole to the old
+root is turned round, so that Pinocchio's own algorithms (gravity torques and their derivatives, CoM
+Jacobian) hold for the standing robot.
+
+A joint with placement M (parent to joint frame at q = 0) and motion S(q) reads, from its child,
+
+    T_child_parent(q) = S(q)^-1 M^-1 = S'(q) M^-1        S' turns about the negative axis
+
+so that the turned joint sits at the child's origin and carries a body whose old frame lies at M^-1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NV
+from mgs.core.contact import Side
+from mgs.robot import Robot
+
+# body of the old model -> its joint in the new one, and its pose in that joint's frame
+Placed = dict[int, tuple[int, pin.SE3]]
+
+
+@dataclass(frozen=True, eq=False)
+class SupportTree:
+    """Fixed-base model of a robot that stands on one sole.
+
+    `model` has one joint for each of the robot's, in another order: q_tree = q_robot[order].
+    A fixed-base model ignores the mass of its root link; `root_mass` and `root_com` (sole frame)
+    give it back: com = (m com_tree + root_mass root_com) / mass.
+    """
+
+    side: Side
+    model: pin.Model
+    order: NDArray[np.intp]  # (n,)
+    root_mass: float  # [kg]
+    root_com: Array  # (3,), in the sole frame [m]
+    first_placements: tuple[tuple[int, pin.SE3], ...]  # joints that hang on the sole, in its frame
+    swing_sole: int  # frame ids
+    hands: tuple[int, int]
+    base: int
+
+    def place(self, T_world_sole: pin.SE3) -> None:
+        """Put the root sole somewhere in the world, the frame of all results from then on."""
+        for joint, placement in self.first_placements:
+            self.model.jointPlacements[joint] = T_world_sole * placement
+
+
+def build_support_tree(robot: Robot, side: Side) -> SupportTree:
+    """Re-root a robot at its left or right sole."""
+    source = robot.model
+    sole = source.frames[robot.sole_frames[side]]
+    root = int(sole.parentJoint)
+    model, placed = pin.Model(), {root: (0, sole.placement.inverse())}
+    model.gravity.linear = source.gravity.linear
+    order = _grow(source, model, placed, root)
+    inertia = sole.placement.inverse().act(source.inertias[root])
+    base = _copy_frame(source, model, placed, source.getBodyId(robot.spec.base_link))
+    swing = _copy_frame(source, model, placed, robot.sole_frames[side.other])
+    left_hand, right_hand = (_copy_frame(source, model, placed, f) for f in robot.hand_frames)
+    return SupportTree(
+        side=side,
+        model=model,
+        order=np.array(order),
+        root_mass=float(inertia.mass),
+        root_com=np.array(inertia.lever),
+        first_placements=tuple(
+            (joint, model.jointPlacements[joint].copy())
+            for joint in range(1, model.njoints)
+            if model.parents[joint] == 0
+        ),
+        swing_sole=swing,
+        hands=(left_hand, right_hand),
+        base=base,
+    )
+
+
+def _grow(source: pin.Model, model: pin.Model, placed: Placed, root: int) -> list[int]:
+    """Add every joint of `source` to `model`, walking outward from body `root`.
+
+    Fills `placed`, and returns the velocity index in `source` of each joint in the order added.
+    """
+    order: list[int] = []
+    neighbours = _neighbours(source)
+    stack = [(root, neighbour) for neighbour in reversed(neighbours[root])]
+    while stack:
+        here, there = stack.pop()
+        parent, T_parent_here = placed[here]
+        turned = source.parents[here] == there  # walking towards the old root
+        joint = here if turned else there
+        axis, placement = _axis(source, joint), source.jointPlacements[joint]
+        new = model.addJoint(
+            parent,
+            pin.JointModelRevoluteUnaligned(*(-axis if turned else axis)),
+            T_parent_here if turned else T_parent_here * placement,
+            source.names[joint],
+        )
+        T_joint_body = placement.inverse() if turned else pin.SE3.Identity()
+        placed[there] = (new, T_joint_body)
+        model.appendBodyToJoint(new, source.inertias[there], T_joint_body)
+        order.append(int(source.idx_vs[joint]) - FLOATING_BASE_NV)
+        stack += [
+            (there, following) for following in reversed(neighbours[there]) if following != here
+        ]
+    return order
+
+
+def _copy_frame(source: pin.Model, model: pin.Model, placed: Placed, frame_id: int) -> int:
+    """Id in `model` of a frame of `source`."""
+    frame = source.frames[frame_id]
+    joint, T_joint_body = placed[int(frame.parentJoint)]
+    copy = pin.Frame(frame.name, joint, T_joint_body * frame.placement, pin.OP_FRAME)
+    return int(model.addFrame(copy))
+
+
+def _neighbours(model: pin.Model) -> list[list[int]]:
+    """Joints next to each joint; the floating base (joint 1) is a body like any other."""
+    out: list[list[int]] = [[] for _ in range(model.njoints)]
+    for joint in range(2, model.njoints):
+        out[model.parents[joint]].append(joint)
+        out[joint].append(model.parents[joint])
+    return out
+
+
+def _axis(model: pin.Model, joint: int) -> Array:
+    """Axis of a revolute joint in its own frame."""
+    data = model.joints[joint].createData()
+    model.joints[joint].calc(data, np.zeros(1), np.zeros(1))
+    return np.asarray(data.S).reshape(6)[3:]

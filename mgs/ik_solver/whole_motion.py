@@ -1,0 +1,259 @@
+"""The null-space motion of a whole motion at once.
+
+    min over q_0 .. q_N-1   sum_k [ weight_joint H_joint(q_k) + weight_grav H_grav(q_k) ] dt
+                            + sum_k [ weight_limit barrier(q_k) + weight_acceleration |qdd_k|^2 ] dt
+    s.t.                    every task of every sample met
+
+qdd are second differences, the robot being at rest before and after. Both ends are free: a motion
+begins and ends in the best posture for its stance, so that one follows on another. With `start`
+"posture" its first two samples stay those of the closed-loop IK, which begins as close to the
+half-sitting posture as its tasks let it.
+
+Gauss-Newton in the null spaces: with Z_k an orthonormal basis of that of the task Jacobian J_k,
+
+    q_k <- q_k + step Z_k z_k,    A z = -Z^T grad    (A symmetric, positive definite, banded)
+
+where A holds the curvature of H_joint, dtau^T W dtau of H_grav and the second differences. Newton
+steps J^+ error then bring every sample back onto its tasks. `step` is halved until the objective
+falls, so that it falls in every iteration. It costs O(N). H_grav and W are those of `clik`; in
+double support they are continued as `double_support` says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from mgs.com_generator import ComTrajectory
+from mgs.core.arrays import Array
+from mgs.gait import IkParameters
+from mgs.ik_solver.banded import band_matrix, second_differences, solve_band
+from mgs.ik_solver.clik import REFERENCE_MOMENT, ClosedLoopIk, gravity_gain_profile
+from mgs.ik_solver.joint_trajectory import JointTrajectory
+from mgs.ik_solver.limit_barrier import limit_barrier
+from mgs.ik_solver.residuals import refuse_limits
+from mgs.ik_solver.tree.batch import TreeBatch
+from mgs.ik_solver.tree.static_loads import StaticLoads
+from mgs.ik_solver.tree.targets import refuse_task_misses, refuse_torso
+from mgs.ik_solver.tree.tasks import N_TASKS
+from mgs.robot import Robot
+from mgs.trajectory_planner import TaskTrajectory
+
+PINNED = 2  # samples that start = posture keeps
+ON_TASK = 1e-7  # [m] and [rad], error left by the Newton steps
+FAR = 0.3  # [m] and [rad], error from which they are not tried
+NEAR = 3e-3  # [m] and [rad], error below which the Jacobians are kept
+MAX_CORRECTIONS = 12
+MAX_HALVINGS = 12
+SUFFICIENT = 1e-4  # part of the fall promised by the gradient that a step has to bring
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrajectoryIk:
+    """Tuning of the whole-trajectory IK."""
+
+    closed_loop: ClosedLoopIk = field(default_factory=ClosedLoopIk)
+    start: Literal["free", "posture"] = "free"
+    weight_joint: float = 0.35
+    weight_grav: float = 1.6  # [1/(N m)^2], times W of `clik`
+    weight_acceleration: float = 3e-5  # [s^4/rad^2]
+    weight_limit: float = 0.003  # of the barrier that keeps joints off their limits
+    iterations: int = 20
+    tolerance: float = 1e-3  # part of the objective that an iteration has to gain
+    keep_limits: bool = True
+
+    @classmethod
+    def from_parameters(cls, parameters: IkParameters) -> TrajectoryIk:
+        """Solver with the tuning of a gait file."""
+        tuning = parameters.trajectory
+        unlimited = parameters.model_copy(update={"on_limit": "record"})
+        return cls(
+            closed_loop=ClosedLoopIk.from_parameters(unlimited),
+            start=tuning.start,
+            weight_joint=tuning.weight_joint,
+            weight_grav=tuning.weight_grav,
+            weight_acceleration=tuning.weight_acceleration,
+            weight_limit=tuning.weight_limit,
+            iterations=tuning.iterations,
+            tolerance=tuning.tolerance,
+            keep_limits=parameters.on_limit == "refuse",
+        )
+
+    def solve(
+        self,
+        robot: Robot,
+        tasks: TaskTrajectory,
+        com: ComTrajectory,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> JointTrajectory:
+        """Improve on the closed-loop IK; see `IkSolver.solve` for the errors."""
+        refuse_torso(tasks, "trajectory")
+        first = self.closed_loop.solve(robot, tasks, com).angles
+        problem = Problem(self, robot, tasks, com)
+        motion, history = minimise(problem, first, progress)
+        errors = np.zeros((tasks.n_samples, N_TASKS))
+        errors[:, problem.batch.rows] = motion.error
+        refuse_task_misses(errors, tasks.dt)
+        if self.keep_limits:
+            refuse_limits(robot, motion.q, tasks.dt)
+        report: dict[str, object] = {
+            "objective": history,
+            "iterations": len(history) - 1,
+            "projected_gradient": problem.projected_gradient(motion),
+        }
+        return JointTrajectory(motion.q, report=report)
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A motion on its tasks, and what is known about it."""
+
+    q: Array  # (N, n)
+    error: Array  # (N, m)
+    J: Array  # (N, m, n)
+    tau: Array  # (N, n)
+    dtau: Array  # (N, n, n)
+    objective: float
+
+
+class Problem:
+    """Objective, gradient and curvature of a motion."""
+
+    def __init__(
+        self, tuning: TrajectoryIk, robot: Robot, tasks: TaskTrajectory, com: ComTrajectory
+    ) -> None:
+        self.tuning, self.dt, n = tuning, tasks.dt, tasks.n_samples
+        given = tuning.start == "posture" or tasks.start is not None
+        self.pinned = PINNED if given else 0
+        sharing, loads = tuning.closed_loop.double_support, None
+        in_time = np.ones(n)
+        if sharing == "off":
+            in_time = gravity_gain_profile(
+                tasks.support, tasks.dt, tuning.closed_loop.gamma_grav_ramp
+            )
+        else:
+            loads = StaticLoads(robot, tasks, com, sharing)
+        self.batch = TreeBatch(robot, tasks, com, loads)
+        scale = REFERENCE_MOMENT / (robot.mass * tasks.com_height[0])
+        self.weight_grav = self.dt * tuning.weight_grav * scale**2 * in_time  # (N,)
+        self.lower, self.upper = robot.lower, robot.upper
+        self.weight_limit = self.dt * tuning.weight_limit
+        self.middle = 0.5 * (robot.upper + robot.lower)
+        self.weight_joint = self.dt * tuning.weight_joint / (robot.upper - robot.lower) ** 2  # (n,)
+        self.weight_acceleration = tuning.weight_acceleration / self.dt**3
+
+    def at(self, q: Array) -> Point | None:
+        """The motion near q (N, n) that meets the tasks; None if Newton's steps do not find it.
+
+        Jacobians are renewed as long as the errors are large: those of the point are exact but for
+        terms of `NEAR`.
+        """
+        error, J = self.batch.tasks_at(q)
+        for _ in range(MAX_CORRECTIONS):
+            worst = np.abs(error[self.pinned :]).max()
+            if worst < ON_TASK:
+                tau, dtau = self.batch.torques_at(q)
+                return Point(q, error, J, tau, dtau, self._objective(q, tau))
+            if not worst < FAR:
+                break
+            step = np.linalg.solve(J @ J.transpose(0, 2, 1), error[..., None])
+            step = (J.transpose(0, 2, 1) @ step)[..., 0]
+            step[: self.pinned] = 0.0
+            q = q + step
+            if worst > NEAR:
+                error, J = self.batch.tasks_at(q)
+            else:
+                error = self.batch.errors_at(q)
+        return None
+
+    def cost(self, q: Array) -> float:
+        """Integral of the weighted H_joint and H_grav along q (N, n)."""
+        return self._secondary(q, self.batch.torques_at(q)[0])
+
+    def _secondary(self, q: Array, tau: Array) -> float:
+        joint = 0.5 * np.sum(self.weight_joint * (q - self.middle) ** 2)
+        return float(joint + 0.5 * np.sum(self.weight_grav[:, None] * tau**2))
+
+    def _objective(self, q: Array, tau: Array) -> float:
+        wall = self.weight_limit * limit_barrier(q, self.lower, self.upper)[0]
+        bends = self.weight_acceleration * float(np.sum(second_differences(q) ** 2))
+        return self._secondary(q, tau) + wall + bends
+
+    def gradient(self, point: Point) -> Array:
+        """Of the objective, (N, n)."""
+        q = point.q
+        tau = self.weight_grav[:, None] * point.tau
+        twice = second_differences(second_differences(q))
+        return np.asarray(
+            self.weight_joint * (q - self.middle)
+            + self.weight_limit * limit_barrier(q, self.lower, self.upper)[1]
+            + (tau[:, None] @ point.dtau)[:, 0]
+            + 2.0 * self.weight_acceleration * twice
+        )
+
+    def null_spaces(self, point: Point) -> Array:
+        """Orthonormal bases (N, n, p) of the null spaces of the tasks."""
+        m = point.J.shape[1]
+        Q = np.linalg.qr(point.J.transpose(0, 2, 1), mode="complete").Q
+        return np.ascontiguousarray(Q[:, :, m:])
+
+    def newton(self, point: Point) -> tuple[Array, float]:
+        """Step (N, n) and the fall of the objective that it promises to first order."""
+        Z = self.null_spaces(point)
+        g = (self.gradient(point)[:, None] @ Z)[:, 0]
+        T = point.dtau @ Z
+        B = self.weight_grav[:, None, None] * (T.transpose(0, 2, 1) @ T)
+        wall = limit_barrier(point.q, self.lower, self.upper)[2]
+        diagonal = self.weight_joint + self.weight_limit * wall
+        B += Z.transpose(0, 2, 1) @ (diagonal[..., None] * Z)
+        band = band_matrix(B, Z, 2.0 * self.weight_acceleration, self.pinned)
+        z = solve_band(band, g[self.pinned :])
+        step = np.zeros_like(point.q)
+        step[self.pinned :] = (Z[self.pinned :] @ z[..., None])[..., 0]
+        return step, -float(np.sum(g[self.pinned :] * z))
+
+    def projected_gradient(self, point: Point) -> float:
+        """Largest entry of the gradient in the null spaces."""
+        g = self.gradient(point)[:, None] @ self.null_spaces(point)
+        return float(np.abs(g[self.pinned :]).max())
+
+
+def minimise(
+    problem: Problem, q: Array, progress: Callable[[int, int], None] | None = None
+) -> tuple[Point, list[float]]:
+    """The motion found from q (N, n), and the objective after each iteration."""
+    here = problem.at(q)
+    if here is None:
+        raise ArithmeticError("Newton's method does not bring the closed-loop IK onto its tasks")
+    history = [here.objective]
+    tuning = problem.tuning
+    for iteration in range(tuning.iterations):
+        if progress is not None:  # in samples, as of all solvers
+            progress(len(q) * iteration // tuning.iterations, len(q))
+        step, fall = problem.newton(here)
+        if fall < tuning.tolerance * here.objective:
+            break
+        found = _search(problem, here, step, fall)
+        if found is None:
+            break
+        here = found
+        history.append(here.objective)
+        if history[-2] - history[-1] < tuning.tolerance * here.objective:
+            break
+    if progress is not None:
+        progress(len(q), len(q))
+    return here, history
+
+
+def _search(problem: Problem, here: Point, step: Array, fall: float) -> Point | None:
+    """The first motion along step (N, n), halved again and again, that falls enough."""
+    size = 1.0
+    for _ in range(MAX_HALVINGS):
+        found = problem.at(here.q + size * step)
+        if found is not None and found.objective <= here.objective - SUFFICIENT * size * fall:
+            return found
+        size *= 0.5
+    return None

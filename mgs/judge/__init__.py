@@ -1,0 +1,1 @@
+"""The verdict on a motion: static checks, replays in physics, Monte Carlo draws."""

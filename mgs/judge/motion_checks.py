@@ -1,0 +1,342 @@
+"""What can be said of a motion without simulating it.
+
+Everything is computed anew from the joint angles and the base pose, so that a file is judged by
+what its joints do, not by what it says of itself; only in double support are torques taken as
+stored, since there they rest on the planned share of the load. Nothing is averaged away: each
+check reports its worst value, when and where.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import asdict, dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV, GRAVITY
+from mgs.core.contact import Side, Support
+from mgs.core.geometry import (
+    convex_hull,
+    polygon_margins,
+    rotation_angles,
+    rotations_from_quat_xyzw,
+    sole_corners,
+    yaw_from_quat_xyzw,
+)
+from mgs.core.progress import Progress
+from mgs.core.scene import ground_below
+from mgs.judge.wrench_feasibility import missing_wrenches
+from mgs.motion import Motion
+from mgs.motion.dynamics import WholeBodyMotion, analyse, contact_wrenches
+
+POSITION_TOLERANCE = {"sole": 1e-4, "hand": 1e-4}  # [m]; the CoM's is the gait's
+ROTATION_TOLERANCE = np.deg2rad(0.01)  # [rad]
+CONTACT_TOLERANCE = 5e-4  # [m] a sole in support may move, sink or float
+RMS_TORQUE_RATIO = 0.3  # of stall torque; stall is no continuous rating
+REST_SPEED = 0.05  # [rad/s] of a joint at the first and last sample
+ANGLE_ROUNDING = 1e-9  # [rad]
+FORCE_TOLERANCE = 1e-6  # of the weight, that contact forces may miss
+
+
+@dataclass(frozen=True)
+class Check:
+    """One figure of a motion against its limit."""
+
+    name: str
+    ok: bool
+    value: float
+    limit: float
+    unit: str
+    time: float | None  # [s] of the worst sample
+    where: str  # joint, link or task
+
+    def to_dict(self) -> dict[str, object]:
+        """The check as plain data."""
+        return asdict(self)
+
+
+def check_motion(motion: Motion, progress: Progress | None = None) -> list[Check]:
+    """Every static check of a motion, worst value each."""
+    load_left = np.choose(motion.support, [0.5, 1.0, 0.0])  # by Support
+    body = analyse(motion.robot, motion.q, motion.dt, load_left, motion.payload)
+    double = motion.support[:, None] == Support.DOUBLE
+    torque = np.where(double, motion.torque, body.torque)
+    speed = np.abs(np.diff(motion.q[:, FLOATING_BASE_NQ:], axis=0)) / motion.dt
+    if not motion.gait.is_balanced:  # nothing is known of what bears the robot on the way
+        return [
+            joint_position(motion),
+            _joint_speed(motion, speed),
+            _self_collision(motion, progress),
+            _rest(motion, speed),
+        ]
+    corners = _corners_in_world(motion, body.soles)
+    return [
+        joint_position(motion),
+        _joint_speed(motion, speed),
+        _joint_torque(motion, body, torque),
+        _joint_torque_rms(motion, torque),
+        _zmp_margin(motion, body),
+        *contact_forces(motion, body),
+        _self_collision(motion, progress),
+        _sole_still(motion, corners),
+        _sole_ground(motion, corners),
+        _sole_contact(motion, corners),
+        _sole_position(motion, body),
+        _sole_rotation(motion, body),
+        _hand_position(motion, body),
+        _torso_rotation(motion, body),
+        _com_position(motion, body),
+        _rest(motion, speed),
+    ]
+
+
+def tracking_errors(motion: Motion) -> dict[str, float]:
+    """Largest distance of soles, hands and CoM from their references [m] and [rad]."""
+    soles, hands = motion.soles - motion.soles_ref, motion.hands[..., :3] - motion.hands_ref
+    turn = rotation_angles(motion.soles[..., 3:], motion.soles_ref[..., 3:])
+    return {
+        "sole_position": float(np.linalg.norm(soles[..., :3], axis=-1).max()),
+        "sole_rotation": float(turn.max()),
+        "hand_position": float(np.linalg.norm(hands, axis=-1).max()),
+        "torso_rotation": float(rotation_angles(motion.torso[:, 3:], motion.torso_ref).max()),
+        "com": float(np.linalg.norm(motion.com - motion.com_ref, axis=-1).max()),
+    }
+
+
+def zmp_margins(motion: Motion, zmp: Array, soles: Array | None = None) -> Array:
+    """Signed distance (N,) of points (N, 2) to the edge of the support polygon [m].
+
+    Infinite where both soles carry at unequal heights: there is no such polygon.
+
+    `soles` (N, 2, 7) are those that the polygon is made of; None: as the motion states them.
+    """
+    soles = motion.soles if soles is None else soles
+    margins = np.full(motion.n_samples, np.inf)
+    for start, end in _support_spans(motion.support):
+        if motion.support[start] == Support.DOUBLE and is_uneven(motion.soles_ref[start]):
+            continue
+        polygon = support_polygon(motion, soles, start)
+        margins[start:end] = polygon_margins(zmp[start:end], polygon)
+    return margins
+
+
+def is_uneven(soles: Array) -> NDArray[np.bool_]:
+    """Whether the soles (..., 2, 7) are at unequal heights."""
+    return np.asarray(np.abs(np.diff(soles[..., 2])[..., 0]) > CONTACT_TOLERANCE)
+
+
+def support_polygon(motion: Motion, soles: Array, sample: int) -> Array:
+    """Convex hull (m, 2) of the soles (N, 2, 7) in contact at one sample, counter-clockwise."""
+    points = []
+    for side in Support(motion.support[sample]).sides:
+        pose, spec = soles[sample, side], motion.robot.sole_spec(side)
+        planar = [pose[0], pose[1], float(yaw_from_quat_xyzw(pose[3:]))]
+        points.append(sole_corners(planar, spec.length, spec.width))
+    return convex_hull(np.concatenate(points))
+
+
+def _support_spans(support: NDArray[np.int8]) -> list[tuple[int, int]]:
+    edges = [0, *(np.flatnonzero(np.diff(support)) + 1).tolist(), len(support)]
+    return list(itertools.pairwise(edges))
+
+
+def joint_position(motion: Motion) -> Check:
+    """Least distance of a joint from its limits."""
+    robot, angles = motion.robot, motion.q[:, FLOATING_BASE_NQ:]
+    margin = np.minimum(angles - robot.lower, robot.upper - angles)
+    k, j = np.unravel_index(np.argmin(margin), margin.shape)
+    worst = float(margin[k, j])
+    return Check(
+        "joint_position",
+        worst >= -ANGLE_ROUNDING,
+        worst,
+        0.0,
+        "rad to the limit",
+        float(k * motion.dt),
+        robot.joint_names[j],
+    )
+
+
+def _joint_speed(motion: Motion, speed: Array) -> Check:
+    """Speed (N - 1, n) from sample to sample, which is what a servo is asked for."""
+    robot = motion.robot
+    return _worst_joint(
+        motion, "joint_speed", speed, np.broadcast_to(robot.speed_limit, speed.shape), "rad/s"
+    )
+
+
+def _joint_torque(motion: Motion, body: WholeBodyMotion, torque: Array) -> Check:
+    """Torque against the speed-torque line; a servo that brakes has its stall torque."""
+    robot, speed = motion.robot, body.v[:, FLOATING_BASE_NV:]
+    line = 1.0 - np.abs(speed) / robot.no_load_speed
+    available = np.where(torque * speed > 0.0, np.maximum(line, 1e-9), 1.0) * robot.torque_limit
+    return _worst_joint(motion, "joint_torque", np.abs(torque), available, "N m")
+
+
+def _joint_torque_rms(motion: Motion, torque: Array) -> Check:
+    robot = motion.robot
+    rms = np.sqrt(np.mean(torque**2, axis=0))
+    allowed = RMS_TORQUE_RATIO * robot.torque_limit
+    j = int(np.argmax(rms / allowed))
+    return Check(
+        "joint_torque_rms",
+        bool(rms[j] <= allowed[j]),
+        float(rms[j]),
+        float(allowed[j]),
+        "N m",
+        None,
+        robot.joint_names[j],
+    )
+
+
+def _worst_joint(motion: Motion, name: str, value: Array, limit: Array, unit: str) -> Check:
+    k, j = np.unravel_index(np.argmax(value / limit), value.shape)
+    worst, allowed = float(value[k, j]), float(limit[k, j])
+    where = motion.robot.joint_names[j]
+    return Check(name, worst <= allowed, worst, allowed, unit, float(k * motion.dt), where)
+
+
+def _zmp_margin(motion: Motion, body: WholeBodyMotion) -> Check:
+    margins = zmp_margins(motion, body.zmp, body.soles)
+    k = int(np.argmin(margins))
+    where = f"{Support(motion.support[k]).label} support"
+    worst = float(margins[k])
+    return Check("zmp_margin", worst >= 0.0, worst, 0.0, "m", k * motion.dt, where)
+
+
+def contact_forces(motion: Motion, body: WholeBodyMotion) -> list[Check]:
+    """Whether both soles can bear the robot where they are at unequal heights; nothing elsewhere.
+
+    What is missing is told in parts of the weight.
+    """
+    uneven = (motion.support == Support.DOUBLE) & is_uneven(motion.soles_ref)
+    samples = np.flatnonzero(uneven)
+    if not len(samples):
+        return []
+    corners = _corners_in_world(motion, body.soles)[samples].reshape(len(samples), 8, 3)
+    wrenches = contact_wrenches(motion.robot, body, samples)
+    missing = missing_wrenches(corners, wrenches) / (GRAVITY * motion.robot.mass)
+    i = int(np.argmax(missing))
+    worst = float(missing[i])
+    time = float(samples[i] * motion.dt)
+    where = "both soles, at unequal heights"
+    return [
+        Check("contact_forces", worst <= FORCE_TOLERANCE, worst, FORCE_TOLERANCE, "", time, where)
+    ]
+
+
+def _self_collision(motion: Motion, progress: Progress | None) -> Check:
+    """First sample at which two bodies touch that may not."""
+    robot = motion.robot
+    geometry = robot.geometry
+    data, geometry_data = robot.model.createData(), geometry.createData()
+    for k in range(motion.n_samples):
+        if progress is not None and k % 500 == 0:
+            progress(k, motion.n_samples)
+        if pin.computeCollisions(robot.model, data, geometry, geometry_data, motion.q[k], True):
+            results = geometry_data.collisionResults
+            hit = next(i for i, result in enumerate(results) if result.isCollision())
+            pair = geometry.collisionPairs[hit]
+            names = [
+                robot.model.frames[geometry.geometryObjects[i].parentFrame].name
+                for i in (pair.first, pair.second)
+            ]
+            return Check(
+                "self_collision", False, 1.0, 0.0, "contacts", k * motion.dt, " and ".join(names)
+            )
+    return Check("self_collision", True, 0.0, 0.0, "contacts", None, "")
+
+
+def _corners_in_world(motion: Motion, soles: Array) -> Array:
+    """Corners (N, 2, 4, 3) of both soles."""
+    R = rotations_from_quat_xyzw(soles[..., 3:])
+    corners = np.empty((motion.n_samples, 2, 4, 3))
+    for side in Side:
+        spec = motion.robot.sole_spec(side)
+        local = np.zeros((4, 3))
+        local[:, :2] = sole_corners(np.zeros(3), spec.length, spec.width)
+        corners[:, side] = soles[:, side, None, :3] + np.einsum("nij,cj->nci", R[:, side], local)
+    return corners
+
+
+def _in_support(motion: Motion) -> NDArray[np.bool_]:
+    """Whether each sole (N, 2) is in support."""
+    support = motion.support[:, None]
+    return (support == Support.DOUBLE) | (support == np.array([Support.LEFT, Support.RIGHT]))
+
+
+def _sole_still(motion: Motion, corners: Array) -> Check:
+    """Farthest that a corner of a sole moves while its sole is in support."""
+    in_support = _in_support(motion)
+    travel = np.zeros((motion.n_samples, 2))
+    for side in Side:
+        for start, end in _support_spans(in_support[:, side].astype(np.int8)):
+            if in_support[start, side]:
+                moved = corners[start:end, side] - corners[start, side]
+                travel[start:end, side] = np.linalg.norm(moved, axis=-1).max(axis=-1)
+    return _worst_side(motion, "sole_still", travel, CONTACT_TOLERANCE, "m")
+
+
+def _sole_ground(motion: Motion, corners: Array) -> Check:
+    ground = ground_below(motion.scene.boxes, corners[..., :2])
+    depth = np.maximum(ground - corners[..., 2].min(axis=-1), 0.0)
+    return _worst_side(motion, "sole_ground", depth, CONTACT_TOLERANCE, "m below ground")
+
+
+def _sole_contact(motion: Motion, corners: Array) -> Check:
+    above = corners[..., 2].max(axis=-1) - ground_below(motion.scene.boxes, corners[..., :2])
+    height = np.where(_in_support(motion), np.maximum(above, 0.0), 0.0)
+    return _worst_side(motion, "sole_contact", height, CONTACT_TOLERANCE, "m above ground")
+
+
+def _sole_position(motion: Motion, body: WholeBodyMotion) -> Check:
+    gap = np.linalg.norm(body.soles[..., :3] - motion.soles_ref[..., :3], axis=-1)
+    return _worst_side(motion, "sole_position", gap, POSITION_TOLERANCE["sole"], "m")
+
+
+def _sole_rotation(motion: Motion, body: WholeBodyMotion) -> Check:
+    angle = rotation_angles(body.soles[..., 3:], motion.soles_ref[..., 3:])
+    return _worst_side(motion, "sole_rotation", angle, float(ROTATION_TOLERANCE), "rad")
+
+
+def _hand_position(motion: Motion, body: WholeBodyMotion) -> Check:
+    gap = np.linalg.norm(body.hands[..., :3] - motion.hands_ref, axis=-1)
+    return _worst_side(motion, "hand_position", gap, POSITION_TOLERANCE["hand"], "m")
+
+
+def _torso_rotation(motion: Motion, body: WholeBodyMotion) -> Check:
+    angle = rotation_angles(body.torso[:, 3:], motion.torso_ref)
+    k, limit = int(np.argmax(angle)), float(ROTATION_TOLERANCE)
+    worst = float(angle[k])
+    return Check("torso_rotation", worst <= limit, worst, limit, "rad", k * motion.dt, "")
+
+
+def _com_position(motion: Motion, body: WholeBodyMotion) -> Check:
+    gap = np.linalg.norm(body.com - motion.com_ref, axis=-1)
+    k = int(np.argmax(gap))
+    limit = motion.gait.com_tolerance
+    return Check(
+        "com_position", bool(gap[k] <= limit), float(gap[k]), limit, "m", k * motion.dt, ""
+    )
+
+
+def _rest(motion: Motion, speed: Array) -> Check:
+    """Fastest joint of speed (N - 1, n) at the two ends, where the robot is to be at rest."""
+    ends = speed[[0, -1]]
+    k, j = np.unravel_index(np.argmax(ends), ends.shape)
+    worst = float(ends[k, j])
+    time = float(k) * motion.duration
+    return Check(
+        "rest", worst <= REST_SPEED, worst, REST_SPEED, "rad/s", time, motion.robot.joint_names[j]
+    )
+
+
+def _worst_side(motion: Motion, name: str, value: Array, limit: float, unit: str) -> Check:
+    k, side = np.unravel_index(np.argmax(value), value.shape)
+    worst = float(value[k, side])
+    return Check(
+        name, worst <= limit, worst, limit, unit, float(k * motion.dt), Side(int(side)).label
+    )

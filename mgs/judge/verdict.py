@@ -1,0 +1,135 @@
+"""Pass or fail of a motion: static checks and physics replays put together.
+
+Tolerances of a replay: the robot stays up to the end and one second longer, ends within
+max(10 % of the distance, 20 mm) and 5 deg of its plan, and holds no servo at its limit for longer
+than 50 ms in a row: the stall torque of an ideal servo, the speed-torque line of a modelled one.
+A ball that is kicked has, 0.1 s after contact, at least half the sole's speed and 0.3 m/s, within
+10 deg of the direction asked. A motion without balance stands at its end, upright within 10 deg
+with a fifth of the weight on each sole, and nothing else is asked of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mgs.judge.motion_checks import Check
+from mgs.sim import Agreement, Replay, ServoName, Strike, agreement
+from mgs.sim.playback import FALL_TILT
+from mgs.sim.replay import STANDING_LOAD, STANDING_TILT_DEG
+
+POSITION_RATIO, POSITION_FLOOR = 0.10, 0.020  # of the distance; [m]
+YAW_LIMIT_DEG = 5.0
+FALL_TILT_DEG = float(np.degrees(FALL_TILT))
+SATURATION_LIMIT = 0.050  # [s] in a row
+BALL_SPEED_RATIO, BALL_SPEED_FLOOR = 0.5, 0.3  # of the sole's speed; [m/s]
+BALL_DIRECTION_DEG = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """All findings on one motion file."""
+
+    file: str
+    checks: tuple[Check, ...]  # static ones first, then those of each replay
+    replays: tuple[Replay, ...]
+    monte_carlo: dict[str, object] | None = None  # as `mgs.judge.monte_carlo.summary` gives it
+
+    @property
+    def passed(self) -> bool:
+        """Whether no check fails."""
+        return all(check.ok for check in self.checks)
+
+    @property
+    def servo(self) -> ServoName | None:
+        """Servos that all replays had; None without replays."""
+        return self.replays[0].servo if self.replays else None
+
+    @property
+    def agreement(self) -> Agreement | None:
+        """How far the engines agree; None unless there are two replays."""
+        return agreement(*self.replays) if len(self.replays) == 2 else None
+
+    def to_dict(self) -> dict[str, object]:
+        """The verdict as plain data, in the shape that `mgs validate --json` prints."""
+        agreed = self.agreement
+        return {
+            "file": self.file,
+            "verdict": "pass" if self.passed else "fail",
+            "checks": [check.to_dict() for check in self.checks],
+            "servo": self.servo,
+            "physics": [replay.engine for replay in self.replays],  # empty: static checks alone
+            "replays": [replay.to_json() for replay in self.replays],
+            "agreement": None if agreed is None else agreed.to_dict(),
+            "monte_carlo": self.monte_carlo,
+        }
+
+
+def judge(
+    file: str,
+    checks: list[Check],
+    replays: list[Replay],
+    monte_carlo: dict[str, object] | None = None,
+) -> Verdict:
+    """Verdict on a motion from its static checks and its replays."""
+    physical = [check for replay in replays for check in replay_checks(replay)]
+    return Verdict(file, (*checks, *physical), tuple(replays), monte_carlo)
+
+
+def replay_checks(replay: Replay) -> list[Check]:
+    """What a replay must show; a robot that fell is not measured further."""
+    name = replay.engine
+    if not replay.is_balanced:
+        tilted, load = replay.end_tilt_deg, replay.end_load
+        return [
+            Check(
+                f"{name}_stands", tilted <= STANDING_TILT_DEG, tilted, STANDING_TILT_DEG,
+                "deg of tilt at the end", None, "torso",
+            ),
+            Check(
+                f"{name}_soles_bear", load >= STANDING_LOAD, load, STANDING_LOAD,
+                "of the weight at the end", None, "less loaded sole",
+            ),
+        ]  # fmt: skip
+    tilt = replay.max_tilt_deg
+    sank = replay.fell and tilt <= FALL_TILT_DEG
+    where = "base below its least height" if sank else "torso"
+    upright = Check(
+        f"{name}_upright",
+        not replay.fell,
+        tilt,
+        FALL_TILT_DEG,
+        "deg of tilt",
+        replay.fall_time,
+        where,
+    )
+    if replay.fell:
+        return [upright]
+    distance = float(np.hypot(*replay.planned_distance))
+    allowed = max(POSITION_RATIO * distance, POSITION_FLOOR)
+    yaw = abs(replay.yaw_error_deg)
+    saturation = replay.torque_saturation
+    joint = replay.torque_saturation_joint or ""
+    return [
+        upright,
+        _at_most(f"{name}_position", replay.position_error, allowed, "m from plan"),
+        _at_most(f"{name}_yaw", yaw, YAW_LIMIT_DEG, "deg from plan"),
+        _at_most(f"{name}_saturation", saturation, SATURATION_LIMIT, "s in a row", joint),
+        *(check for strike in replay.strikes for check in strike_checks(name, strike)),
+    ]
+
+
+def strike_checks(engine: str, strike: Strike) -> list[Check]:
+    """What a struck ball must show."""
+    least = max(BALL_SPEED_RATIO * strike.sole_speed, BALL_SPEED_FLOOR)
+    struck = strike.time is not None and strike.ball_speed >= least
+    speed, turn = strike.ball_speed, abs(strike.direction_error_deg)
+    return [
+        Check(f"{engine}_ball_speed", struck, speed, least, "m/s at least", strike.time, "ball"),
+        _at_most(f"{engine}_ball_direction", turn, BALL_DIRECTION_DEG, "deg", "ball"),
+    ]
+
+
+def _at_most(name: str, value: float, limit: float, unit: str, where: str = "") -> Check:
+    return Check(name, value <= limit, value, limit, unit, None, where)

@@ -1,0 +1,190 @@
+"""The manifest of a library: one SQLite file with a row for each gait that has been made.
+
+A row is written in one transaction after its file has its name, in write-ahead mode, so that
+whatever ends a run leaves a manifest whose every row is true or whose file shows that it is not.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import sqlite3
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from mgs.core.errors import InputError, MgsError
+from mgs.library.condition import quoted
+
+MANIFEST = "manifest.sqlite"
+GAITS_FOLDER = "gaits"
+LOST = "lost"  # verdict on a gait whose work broke down; it says nothing about the gait
+
+Value = int | float | str | None
+Row = Mapping[str, Value]
+
+# name: SQL type; [unit] and meaning are in docs/libraries.md
+COLUMNS = {
+    "number": "INTEGER PRIMARY KEY",
+    "verdict": "TEXT NOT NULL",
+    "reason": "TEXT",
+    "message": "TEXT",
+    "file": "TEXT",
+    "sha256": "TEXT",
+    "bytes": "INTEGER",
+    "robot": "TEXT",
+    "motion": "TEXT",
+    "ik.solver": "TEXT",
+    "dt": "REAL",
+    "samples": "INTEGER",
+    "duration": "REAL",
+    "distance": "REAL",
+    "distance_x": "REAL",
+    "distance_y": "REAL",
+    "turn": "REAL",
+    "speed": "REAL",
+    "vx": "REAL",
+    "vy": "REAL",
+    "wz": "REAL",
+    "zmp_margin": "REAL",
+    "joint_margin": "REAL",
+    "joint_speed_ratio": "REAL",
+    "torque_ratio": "REAL",
+    "torque_rms_ratio": "REAL",
+    "survived": "INTEGER",
+    "max_tilt_deg": "REAL",
+    "position_error": "REAL",
+    "yaw_error_deg": "REAL",
+    "sole_slip_max": "REAL",
+    "checks": "TEXT",
+    "seconds": "REAL",
+}
+
+
+class Manifest:
+    """An open manifest; `columns` are the fixed ones and a library's own, one for each key varied.
+
+    Raises:
+        MgsError: from every method that writes, where the disk is full or cannot be written.
+    """
+
+    def __init__(self, connection: sqlite3.Connection) -> None:
+        self.connection = connection
+        table = connection.execute("PRAGMA table_info(gaits)").fetchall()
+        self.columns = tuple(name for _, name, *_ in table)
+
+    def identity(self) -> dict[str, str]:
+        """What the library was made from, by name."""
+        return dict(self.connection.execute("SELECT name, value FROM identity"))
+
+    def keep(self, row: Row) -> None:
+        """Write a row, in place of what there is of its number."""
+        names = ", ".join(map(quoted, row))
+        places = ", ".join("?" * len(row))
+        self.connection.execute(
+            f"INSERT OR REPLACE INTO gaits ({names}) VALUES ({places})", tuple(row.values())
+        )
+
+    def states(self) -> list[tuple[int, str, str | None, str | None, str | None]]:
+        """Number, verdict, reason, file and content hash of every row."""
+        query = "SELECT number, verdict, reason, file, sha256 FROM gaits ORDER BY number"
+        return self.connection.execute(query).fetchall()
+
+
+@contextlib.contextmanager
+def writing(folder: Path, identity: Mapping[str, str], keys: tuple[str, ...]) -> Iterator[Manifest]:
+    """The manifest of a folder, made if missing; `identity` and `keys` are those of a new one.
+
+    On the way out it becomes a single plain file, which can be read where nothing can be written.
+    """
+    path = folder / MANIFEST
+    with _told(path), contextlib.closing(sqlite3.connect(path, isolation_level=None)) as connection:
+        connection.execute("PRAGMA journal_mode=WAL")
+        connection.execute("PRAGMA synchronous=NORMAL")  # files are verified by hash, not by order
+        _create(connection, identity, keys)
+        yield Manifest(connection)
+        with contextlib.suppress(sqlite3.OperationalError):  # someone reads it: it stays as it is
+            connection.execute("PRAGMA journal_mode=DELETE")
+
+
+def _create(
+    connection: sqlite3.Connection, identity: Mapping[str, str], keys: tuple[str, ...]
+) -> None:
+    """All or nothing, unless there is one already that has a row."""
+    own = [key for key in keys if key not in COLUMNS]
+    columns = [*(f"{quoted(n)} {kind}" for n, kind in COLUMNS.items()), *map(quoted, own)]
+    connection.execute("BEGIN IMMEDIATE")
+    if not _has_gaits(connection):
+        connection.execute("DROP TABLE IF EXISTS identity")
+        connection.execute("DROP TABLE IF EXISTS gaits")
+        connection.execute("CREATE TABLE identity (name TEXT PRIMARY KEY, value TEXT NOT NULL)")
+        connection.execute(f"CREATE TABLE gaits ({', '.join(columns)})")
+        connection.executemany("INSERT INTO identity VALUES (?, ?)", identity.items())
+    connection.execute("COMMIT")
+
+
+def _has_gaits(connection: sqlite3.Connection) -> bool:
+    tables = "SELECT 1 FROM sqlite_master WHERE name = 'gaits'"
+    if connection.execute(tables).fetchone() is None:
+        return False
+    return connection.execute("SELECT 1 FROM gaits LIMIT 1").fetchone() is not None
+
+
+@contextlib.contextmanager
+def reading(folder: Path) -> Iterator[Manifest]:
+    """The manifest of a library, from which nothing can be written.
+
+    Raises:
+        InputError: there is none, or it is damaged.
+    """
+    with _told(folder / MANIFEST), contextlib.closing(connect(folder)) as connection:
+        yield Manifest(connection)
+
+
+def connect(folder: Path) -> sqlite3.Connection:
+    """Connection that can only read; raises InputError if there is no manifest."""
+    path = folder / MANIFEST
+    if not path.is_file():
+        raise InputError(f"{folder}: no gait library: it has no {MANIFEST}; see mgs batch run")
+    address = f"{path.resolve().as_uri()}?mode=ro"
+    connection = sqlite3.connect(address, uri=True, isolation_level=None, check_same_thread=False)
+    try:
+        connection.execute("SELECT number, sha256 FROM gaits LIMIT 1")
+    except sqlite3.Error as error:
+        connection.close()
+        raise InputError(f"{path}: no manifest of a gait library: {error}") from error
+    return connection
+
+
+@contextlib.contextmanager
+def _told(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except sqlite3.OperationalError as error:
+        raise MgsError(f"{path}: {error}") from error
+    except sqlite3.DatabaseError as error:
+        raise InputError(f"{path}: no manifest of a gait library: {error}") from error
+
+
+def holds_gaits(folder: Path) -> bool:
+    """Whether there is a manifest with a row; raises InputError if it is damaged."""
+    if not (folder / MANIFEST).exists():
+        return False
+    with reading(folder) as manifest:
+        return bool(manifest.states())
+
+
+def is_whole(folder: Path, file: str | None, sha256: str | None) -> bool:
+    """Whether a row's file has the content that it was written with; a row without one is whole."""
+    return file is None or (sha256 is not None and _sha256(folder / file) == sha256)
+
+
+def _sha256(path: Path) -> str | None:
+    """Content hash; None where there is no file to read."""
+    try:
+        with path.open("rb") as stream:
+            digest = hashlib.sha256()
+            while block := stream.read(1 << 20):
+                digest.update(block)
+            return digest.hexdigest()
+    except OSError:
+        return None

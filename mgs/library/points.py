@@ -1,0 +1,249 @@
+"""The points of a sweep: for each gait of the library the values of the keys that are varied."""
+
+from __future__ import annotations
+
+import csv
+import difflib
+import io
+import itertools
+import json
+import math
+import sqlite3
+import warnings
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mgs.core.config import parse_yaml, read_text
+from mgs.core.errors import ConfigError
+from mgs.gait import Gait, find_gait, parse_gait
+from mgs.library.condition import compile_condition, quoted
+from mgs.library.sweep import MAX_GAITS, Axis, Sweep, load_sweep
+
+Point = tuple[Any, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """All gaits that a sweep asks for, in the order of their numbers."""
+
+    source: str  # the sweep file, for messages
+    sweep: Sweep
+    base: Path  # file of the base gait
+    base_text: str
+    base_gait: Gait
+    keys: tuple[str, ...]
+    points: list[Point] = field(repr=False)  # a value for each of `keys`
+    n_filtered: int = 0  # points that the filters took away
+
+    def assignments(self, number: int) -> tuple[str, ...]:
+        """What makes the base gait the gait of a number, as `mgs generate --set` takes it."""
+        return tuple(
+            f"{key}={json.dumps(value)}"  # a JSON text is the YAML of the same value
+            for key, value in zip(self.keys, self.points[number], strict=True)
+        )
+
+    @property
+    def robots(self) -> list[str]:
+        """Names of all robots that gaits ask for, in the order in which they come."""
+        if "robot" in self.keys:
+            index = self.keys.index("robot")
+            return list(dict.fromkeys(point[index] for point in self.points))
+        assert self.base_gait.robot is not None
+        return [self.base_gait.robot]
+
+
+def plan_sweep(path: Path) -> Plan:
+    """Read a sweep file and make its points.
+
+    Raises:
+        ConfigError: sweep, table or base gait is malformed, a key is unknown, a filter names none
+            or no robot is named; or there are no points, or more than a library may have.
+    """
+    sweep = load_sweep(path)
+    base = find_gait(_beside(path, sweep.base))
+    text = read_text(base)
+    gait = parse_gait(text, base)
+    table_keys, rows = _read_table(path.parent / sweep.table) if sweep.table else ((), [()])
+    keys = (*table_keys, *sweep.axes)
+    _check_values(path, sweep, rows)
+    _check_keys(path, gait, table_keys, tuple(sweep.axes))
+    n_points = _count(sweep, len(rows))
+    if n_points > MAX_GAITS:
+        raise ConfigError(path, f"{n_points} gaits; {MAX_GAITS} at most")
+    points = [row + point for row in rows for point in _points(sweep)]
+    if "robot" in keys:
+        _check_robots(path, {point[keys.index("robot")] for point in points})
+    elif gait.robot is None:
+        raise ConfigError(path, f"no robot: {base} names none; add axes.robot: [NAME]")
+    kept = list(_filtered(path, sweep.filters, gait, keys, points))
+    if not kept:
+        raise ConfigError(path, "no gaits: the filters leave none of the points")
+    return Plan(str(path), sweep, base, text, gait, keys, kept, len(points) - len(kept))
+
+
+def _beside(sweep: Path, name: str) -> str | Path:
+    """A gait file beside the sweep file comes before one of the working folder."""
+    beside = sweep.parent / name
+    return beside if beside.is_file() else name
+
+
+def _check_keys(path: Path, gait: Gait, table_keys: tuple[str, ...], axes: tuple[str, ...]) -> None:
+    known = flat(gait.model_dump())
+    problems = []
+    for key in (*table_keys, *axes):
+        parents = {key[:i] for i, c in enumerate(key) if c == "."}
+        unset = any(known.get(parent, parent) is None for parent in parents)
+        if key not in known and not unset:
+            problems.append(f"axes.{key}: no such key in {gait.motion} gaits; {_near(key, known)}")
+    for key in set(table_keys) & set(axes):
+        problems.append(f"axes.{key}: the table has this key too")
+    for key in ("mgs", "motion"):
+        if key in (*table_keys, *axes):
+            problems.append(f"axes.{key}: cannot be varied")
+    if len(set(table_keys)) < len(table_keys):
+        problems.append(f"table: a key comes twice: {', '.join(table_keys)}")
+    if problems:
+        raise ConfigError(path, problems)
+
+
+def _check_values(path: Path, sweep: Sweep, rows: list[Point]) -> None:
+    """YAML has dates, gait files have not."""
+    lists = {f"axes.{key}": axis.values or [] for key, axis in sweep.axes.items()}
+    for key, found in (lists | {"table": [x for row in rows for x in row]}).items():
+        for value in found:
+            try:
+                json.dumps(value)
+            except (TypeError, ValueError) as error:
+                raise ConfigError(path, f"{key}: {value!s:.60} is no value of a gait") from error
+
+
+def _near(key: str, known: Iterable[str]) -> str:
+    close = difflib.get_close_matches(key[:60], list(known), n=1)
+    return f"did you mean {close[0]!r}?" if close else f"known are {', '.join(sorted(known))}"
+
+
+def _check_robots(path: Path, robots: set[Any]) -> None:
+    bad = [robot for robot in robots if not isinstance(robot, str) or not robot]
+    if bad:
+        raise ConfigError(path, f"axes.robot: {bad[0]!r} is no name of a robot")
+
+
+def flat(tree: dict[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Values of nested dictionaries by dotted key."""
+    found: dict[str, Any] = {}
+    for key, value in tree.items():
+        if isinstance(value, dict):
+            found |= flat(value, f"{prefix}{key}.")
+        else:
+            found[f"{prefix}{key}"] = value
+    return found
+
+
+def _read_table(path: Path) -> tuple[tuple[str, ...], list[Point]]:
+    """Keys and rows of a CSV file; every field is read as YAML, as in a gait file."""
+    lines = [row for row in csv.reader(io.StringIO(read_text(path), newline="")) if row]
+    if len(lines) < 2:
+        raise ConfigError(path, "needs a first row with keys and rows with their values")
+    keys = tuple(key.strip() for key in lines[0])
+    rows = []
+    for number, line in enumerate(lines[1:], start=2):
+        if len(line) != len(keys):
+            raise ConfigError(path, f"row {number} has {len(line)} fields, the first {len(keys)}")
+        rows.append(tuple(parse_yaml(text, f"{path}: row {number}") for text in line))
+    return keys, rows
+
+
+def _count(sweep: Sweep, n_rows: int) -> int:
+    """Points before filters, without making them."""
+    if sweep.samples is not None:
+        return sweep.samples
+    return n_rows * math.prod(_length(axis) for axis in sweep.axes.values())
+
+
+def _length(axis: Axis) -> int:
+    if axis.values is not None:
+        return len(axis.values)
+    if axis.integers is not None:
+        return axis.integers[1] - axis.integers[0] + 1
+    return int((axis.linspace or axis.logspace or [0.0, 0.0, 0.0])[2])
+
+
+def _points(sweep: Sweep) -> Iterator[Point]:
+    if sweep.samples is None:
+        return itertools.product(*(values(axis) for axis in sweep.axes.values()))
+    draws = _draws(sweep.sampling, len(sweep.axes), sweep.samples, sweep.seed)
+    columns = [_drawn(axis, u) for axis, u in zip(sweep.axes.values(), draws.T, strict=True)]
+    return zip(*columns, strict=True)
+
+
+def values(axis: Axis) -> list[Any]:
+    """Values of an axis that has a number of them, plain Python ones."""
+    if axis.values is not None:
+        return axis.values
+    if axis.integers is not None:
+        return list(range(axis.integers[0], axis.integers[1] + 1))
+    space = np.linspace if axis.linspace is not None else np.geomspace
+    first, last, count = axis.linspace or axis.logspace or (0.0, 0.0, 0)
+    numbers: list[float] = space(first, last, int(count)).tolist()
+    if all(x == round(x) for x in numbers):
+        return [round(x) for x in numbers]  # a key that is a number of things takes no 2.0
+    return numbers
+
+
+def _draws(sampling: str, n_axes: int, n: int, seed: int) -> NDArray[np.float64]:
+    """Points (n, n_axes) in the unit cube."""
+    from scipy.stats import qmc
+
+    generator = np.random.default_rng(seed)
+    if sampling == "latin_hypercube":
+        return np.asarray(qmc.LatinHypercube(n_axes, seed=generator).random(n))
+    with warnings.catch_warnings():  # other numbers than powers of 2 are less balanced, not wrong
+        warnings.simplefilter("ignore", UserWarning)
+        return np.asarray(qmc.Sobol(n_axes, seed=generator).random(n))
+
+
+def _drawn(axis: Axis, u: NDArray[np.float64]) -> list[Any]:
+    """Values of an axis at places u (n,) from 0 to 1; of several values each has an equal share."""
+    if axis.uniform is not None:
+        low, high = axis.uniform
+        return [float(x) for x in low + u * (high - low)]
+    if axis.log_uniform is not None:
+        low, high = np.log(axis.log_uniform)
+        return [float(x) for x in np.exp(low + u * (high - low))]
+    known = values(axis)
+    return [known[min(int(x * len(known)), len(known) - 1)] for x in u]
+
+
+def _filtered(
+    path: Path, filters: list[str], gait: Gait, keys: tuple[str, ...], points: list[Point]
+) -> Iterator[Point]:
+    """Points that fulfil every filter, which may use any key of the gait."""
+    known = flat(gait.model_dump()) | dict.fromkeys(keys)
+    names = list(known)
+    sql, parameters = [], []
+    for text in filters:
+        part, constants = compile_condition(text, names, f"{path}: filters")
+        sql.append(part)
+        parameters += constants
+    if not sql:
+        yield from points
+        return
+    columns = ", ".join(f"? AS {quoted(name)}" for name in names)
+    query = f"SELECT {' AND '.join(sql)} FROM (SELECT {columns})"
+    with sqlite3.connect(":memory:") as connection:
+        for point in points:
+            known |= zip(keys, point, strict=True)
+            row = [plain(value) for value in known.values()]
+            if connection.execute(query, (*parameters, *row)).fetchone()[0]:
+                yield point
+
+
+def plain(value: Any) -> int | float | str | None:
+    """A value as a database takes it; lists and the like as JSON."""
+    fits = not isinstance(value, int) or abs(value) < 2**63
+    return value if fits and isinstance(value, int | float | str | None) else json.dumps(value)

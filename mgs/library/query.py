@@ -1,0 +1,258 @@
+"""Look into a gait library: by condition, as a table, as a summary, or by the velocity wanted."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mgs.core.errors import ConfigError, InputError, MgsError
+from mgs.library.condition import compile_condition, quoted
+from mgs.library.manifest import Manifest, Value, connect, is_whole, reading
+
+HEAVY = "checks"  # the one column that is not told unless asked for
+TURN_RADIUS = 0.1  # [m]
+
+
+@dataclass(frozen=True)
+class LibraryGait:
+    """One gait of a library."""
+
+    number: int
+    file: Path
+    vx: float  # [m/s] along the heading
+    vy: float  # [m/s] to the left
+    wz: float  # [rad/s] to the left
+    figures: dict[str, Value]  # its row
+
+
+class GaitLibrary:
+    """The gaits of a library, by velocity.
+
+    vx, vy and wz of a gait are the mean velocity of the point midway between its soles, from the
+    first lift-off to the last touch-down, in the frame of their mean heading.
+
+    Args:
+        folder: the library; it is only read.
+        where: which gaits; those that pass by default.
+        turn_radius: distance from the robot's middle at which a turn counts as much as a motion
+            [m]: 1 rad/s off is as bad as `turn_radius` m/s.
+
+    Raises:
+        InputError: there is no library.
+        ConfigError: `where` is no condition on its columns.
+        MgsError: `where` leaves no gait.
+    """
+
+    def __init__(
+        self, folder: str | Path, where: str = "verdict == 'pass'", turn_radius: float = TURN_RADIUS
+    ) -> None:
+        from scipy.spatial import KDTree
+
+        if not (math.isfinite(turn_radius) and turn_radius >= 0.0):
+            raise ConfigError("turn_radius", f"{turn_radius} is no length of 0 m or more")
+        self.folder, self.turn_radius = Path(folder), turn_radius
+        self._connection = connect(self.folder)
+        condition = f"({where}) and file is not None"
+        columns = ["number", "vx", "vy", "wz"]
+        found = list(_select(Manifest(self._connection), columns, condition))
+        if not found:
+            raise MgsError(f"{folder}: no gait of this library fulfils {where}")
+        self._numbers = [int(row[0]) for row in found]
+        velocities = np.array([row[1:] for row in found], dtype=np.float64)
+        self._tree = KDTree(velocities * self._scale)
+
+    @property
+    def _scale(self) -> tuple[float, float, float]:
+        return 1.0, 1.0, self.turn_radius
+
+    def __len__(self) -> int:
+        """Number of gaits that may be found."""
+        return len(self._numbers)
+
+    def nearest(self, *, vx: float = 0.0, vy: float = 0.0, wz: float = 0.0) -> LibraryGait:
+        """The gait whose velocity is nearest to the one wanted [m/s], [m/s], [rad/s].
+
+        Raises:
+            ConfigError: a velocity is not a finite number.
+        """
+        wanted = np.array([vx, vy, wz], dtype=np.float64)
+        if not np.isfinite(wanted).all():
+            raise ConfigError("nearest", f"vx={vx}, vy={vy}, wz={wz}: not finite")
+        return self.gait(self._numbers[int(self._tree.query(wanted * self._scale)[1])])
+
+    def gait(self, number: int) -> LibraryGait:
+        """The gait of a number; raises InputError if it has none or no file."""
+        cursor = self._connection.execute("SELECT * FROM gaits WHERE number = ?", (number,))
+        names = [name for name, *_ in cursor.description]
+        row = cursor.fetchone()
+        figures = dict(zip(names, row, strict=True)) if row else {}
+        if not figures.get("file"):
+            raise InputError(f"{self.folder}: no motion file of a gait {number}")
+        path = self.folder / figures["file"]
+        return LibraryGait(number, path, figures["vx"], figures["vy"], figures["wz"], figures)
+
+    def close(self) -> None:
+        """Let go of the manifest."""
+        self._connection.close()
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of a library."""
+
+    columns: tuple[str, ...]
+    rows: list[tuple[Value, ...]]
+
+
+def query(
+    folder: Path,
+    where: str | None = None,
+    columns: list[str] | None = None,
+    order: str | None = None,
+    reverse: bool = False,
+    limit: int | None = None,
+) -> Table:
+    """Rows that fulfil a condition.
+
+    Args:
+        folder: the library.
+        where: condition, as `mgs.library.condition` has it; None: all rows.
+        columns: which; None: all but the list of single checks.
+        order: column or expression by which they come; None: by number.
+        reverse: the largest first.
+        limit: at most so many.
+
+    Raises:
+        InputError: there is no library.
+        ConfigError: a condition or column is wrong.
+    """
+    with reading(folder) as manifest:
+        known = [name for name in manifest.columns if name != HEAVY]
+        names = columns if columns is not None else known
+        return Table(tuple(names), list(_select(manifest, names, where, order, reverse, limit)))
+
+
+def _select(
+    manifest: Manifest,
+    columns: list[str],
+    where: str | None = None,
+    order: str | None = None,
+    reverse: bool = False,
+    limit: int | None = None,
+) -> Iterator[tuple[Any, ...]]:
+    for name in columns:
+        if name not in manifest.columns:
+            known = ", ".join(sorted(manifest.columns))
+            raise ConfigError("--columns", f"no column {name!r}; there are: {known}")
+    text = f"SELECT {', '.join(map(quoted, columns))} FROM gaits"
+    parameters: list[int | float | str] = []
+    if where is not None:
+        condition, parameters = compile_condition(where, manifest.columns, "--where")
+        text += f" WHERE {condition}"
+    key, constants = compile_condition(order or "number", manifest.columns, "--order")
+    text += f" ORDER BY {key} {'DESC' if reverse else 'ASC'}, number"
+    parameters = [*parameters, *constants]
+    if limit is not None:
+        text += " LIMIT ?"
+        parameters = [*parameters, limit]
+    return manifest.connection.execute(text, parameters)
+
+
+def to_csv(table: Table) -> bytes:
+    """The table as CSV, its first row the names; empty where there is no value."""
+    stream = io.StringIO(newline="")
+    writer = csv.writer(stream)
+    writer.writerow(table.columns)
+    writer.writerows(table.rows)
+    return stream.getvalue().encode()
+
+
+def to_parquet(table: Table) -> bytes:
+    """The table as Parquet; raises MgsError where pyarrow is missing."""
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError as error:
+        raise MgsError(
+            "Parquet needs pyarrow: pip install 'mgs[parquet]', or use --format csv"
+        ) from error
+    columns = zip(*table.rows, strict=True) if table.rows else [()] * len(table.columns)
+    arrays = {
+        name: _of_one_kind(list(values))
+        for name, values in zip(table.columns, columns, strict=True)
+    }
+    stream = io.BytesIO()
+    pyarrow.parquet.write_table(pyarrow.table(arrays), stream)
+    return stream.getvalue()
+
+
+def _of_one_kind(values: list[Any]) -> list[Any]:
+    """A Parquet column has one type: whole numbers become floats beside floats, all else text."""
+    kinds = {type(value) for value in values if value is not None}
+    if kinds == {int, float}:
+        return [None if value is None else float(value) for value in values]
+    if len(kinds) > 1:
+        return [None if value is None else str(value) for value in values]
+    return values
+
+
+def report(folder: Path) -> dict[str, Any]:
+    """What a library holds: verdicts, reasons, ranges, and whether all files are whole.
+
+    Raises:
+        InputError: there is no library.
+    """
+    with reading(folder) as manifest:
+        identity = manifest.identity()
+        states = manifest.states()
+        keys = [key for key in _keys(identity) if key in manifest.columns]
+        ranges = {
+            name: _range(manifest, name)
+            for name in ("vx", "vy", "wz", "zmp_margin", "torque_ratio", "joint_speed_ratio")
+        }
+        shares = {key: _shares(manifest, key) for key in keys}
+    damaged = [file for *_, file, sha256 in states if not is_whole(folder, file, sha256)]
+    return {
+        "folder": str(folder),
+        "gaits": int(identity["number of gaits"]),
+        "made": len(states),
+        "physics": identity["physics"],
+        "mgs_version": identity["mgs version"],
+        "verdicts": dict(Counter(verdict for _, verdict, *_ in states)),
+        "reasons": dict(Counter(reason for _, _, reason, *_ in states if reason).most_common()),
+        "ranges_of_passes": ranges,
+        "passes_by_value": shares,
+        "damaged_files": damaged,
+    }
+
+
+def _keys(identity: dict[str, str]) -> list[str]:
+    keys: list[str] = json.loads(identity["keys"])
+    return keys
+
+
+def _range(manifest: Manifest, name: str) -> list[float | None]:
+    column = quoted(name)
+    return list(
+        manifest.connection.execute(
+            f"SELECT MIN({column}), MAX({column}) FROM gaits WHERE verdict = 'pass'"
+        ).fetchone()
+    )
+
+
+def _shares(manifest: Manifest, key: str) -> list[dict[str, Any]]:
+    """For each value of a key how many gaits have it and how many of these pass."""
+    column = quoted(key)
+    rows = manifest.connection.execute(
+        f"SELECT {column}, COUNT(*), SUM(verdict = 'pass') FROM gaits GROUP BY {column}"
+    )
+    return [{"value": value, "gaits": n, "pass": passes} for value, n, passes in rows]

@@ -1,0 +1,115 @@
+"""Two steps of a steady walk, made exactly periodic.
+
+Between samples k and k + P, two steps apart, joints should not differ. What they do differ by, d in
+position and e in velocity, is mostly motion that no task asks for; it is taken off along the cycle,
+at s = j / P of it:
+
+    q_cycle[j] = q[k + j] - d s - e P dt (s^2 - s) / 2
+
+so that the cycle begins where the walk is at sample k, and ends as it begins. k is the sample with
+the least difference, of all whose step is neither the first nor the last.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
+from mgs.core.contact import Support
+from mgs.core.errors import CycleError
+from mgs.core.geometry import compose_planar, planar_inverse, planar_middle
+from mgs.motion.motion import Motion
+
+JOINT_TOLERANCE = 0.02  # [rad], about 1 mm at a sole
+SPEED_TOLERANCE = 0.1  # [rad/s]
+SPEED_TIME = 0.1  # [s] that weighs a difference of speed against one of position
+STEADY = 1  # samples that strides in a row may differ by, which is what rounding does
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """Two steps; the sample after the last one is the first one again, displaced."""
+
+    start: int  # sample of the motion at which it begins
+    position: Array  # (P, n) joint angles [rad]
+    velocity: Array  # (P, n) central differences across the wrap [rad/s]
+    displacement: Array  # (3,) of the middle of the soles in its own frame: x, y [m], yaw [rad]
+    mismatch: float  # d, largest of a joint [rad]
+    joint: str  # that it is of
+
+    @property
+    def n_samples(self) -> int:
+        """P."""
+        return len(self.position)
+
+
+def find_cycle(motion: Motion) -> Cycle:
+    """The two steps of a walk that differ least from those that follow.
+
+    Raises:
+        CycleError: there are too few steps, or they differ too much.
+    """
+    windows = _windows(motion)
+    if not windows:
+        raise CycleError(
+            f"{motion.gait_name}: no two steps in its middle that could be repeated; that takes "
+            "a walk of at least 5 equal steps"
+        )
+    k, period = min(
+        ((k, period) for start, end, period in windows for k in range(start, end)),
+        key=lambda pair: _cost(motion, *pair),
+    )
+    d, e = _differences(motion, k, period)
+    worst, fastest = int(np.argmax(np.abs(d))), int(np.argmax(np.abs(e)))
+    _refuse(motion, worst, abs(float(d[worst])), "rad", JOINT_TOLERANCE)
+    _refuse(motion, fastest, abs(float(e[fastest])), "rad/s", SPEED_TOLERANCE)
+    s = (np.arange(period) / period)[:, None]
+    joints = motion.q[k : k + period, FLOATING_BASE_NQ:]
+    position = joints - d * s - e * (0.5 * period * motion.dt) * (s**2 - s)
+    ahead, behind = np.roll(position, -1, axis=0), np.roll(position, 1, axis=0)
+    middle = planar_middle(motion.soles_ref[[k, k + period]])
+    return Cycle(
+        start=k,
+        position=position,
+        velocity=(ahead - behind) / (2.0 * motion.dt),
+        displacement=compose_planar(planar_inverse(middle[0]), middle[1]),
+        mismatch=abs(float(d[worst])),
+        joint=motion.robot.joint_names[worst],
+    )
+
+
+def _windows(motion: Motion) -> list[tuple[int, int, int]]:
+    """First sample, end and period of where a cycle may begin: steps between equal strides."""
+    support = motion.support
+    lifts = np.flatnonzero(np.diff(support)) + 1
+    lifts = lifts[support[lifts] != Support.DOUBLE]
+    strides, sides = lifts[2:] - lifts[:-2], support[lifts]
+    return [
+        (int(lifts[i]), int(lifts[i + 1]), int(strides[i]))
+        for i in range(1, len(strides) - 1)
+        if np.abs(strides[[i - 1, i + 1]] - strides[i]).max() <= STEADY
+        and sides[i] == sides[i + 2] != sides[i + 1]
+    ]
+
+
+def _differences(motion: Motion, k: int, period: int) -> tuple[Array, Array]:
+    """Joint angles and velocities (n,) at sample k + period less those at k."""
+    q, v = motion.q[:, FLOATING_BASE_NQ:], motion.v[:, FLOATING_BASE_NV:]
+    return q[k + period] - q[k], v[k + period] - v[k]
+
+
+def _cost(motion: Motion, k: int, period: int) -> float:
+    d, e = _differences(motion, k, period)
+    return float(np.abs(d).max() + SPEED_TIME * np.abs(e).max())
+
+
+def _refuse(motion: Motion, joint: int, size: float, unit: str, tolerance: float) -> None:
+    if not size <= tolerance:
+        raise CycleError(
+            f"{motion.gait_name}: from one cycle to the next {motion.robot.joint_names[joint]} "
+            f"differs by {size:.3g} {unit} at best, {tolerance:g} {unit} allowed; take more steps, "
+            "so that the posture settles, or ik.solver ik4, with which it settles at once"
+        )

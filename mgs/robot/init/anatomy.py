@@ -1,0 +1,242 @@
+"""Which joints are legs, waist, arms and head, told from the shape of the tree alone.
+
+Feet are the bodies whose surface reaches the ground while the robot stands with every joint at 0;
+legs are the joints between them and the body from which both hang. Arms are the longest pair of
+chains elsewhere of which one mirrors the other. A hand is where an arm branches into fingers. z is
+up and x forward, as ROS has it (REP 103).
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from mgs.core.arrays import Array
+from mgs.core.errors import ConfigError
+from mgs.robot.init.skeleton import BASE, Skeleton
+from mgs.robot.init.source import Source
+from mgs.robot.urdf_text import joint_axis
+
+GROUND_LAYER = 0.02  # of the height; a body whose surface reaches into it may be a foot
+SOLE_LAYER = 0.004  # of the height; a body that reaches into it above the lowest stands as well
+MIRRORED = 0.03  # of the height; how far a body may be from the mirror image of another
+
+
+@dataclass(frozen=True)
+class Anatomy:
+    """Joints by limb, from the trunk outward; numbers are Pinocchio's."""
+
+    legs: tuple[list[int], list[int]]  # left and right
+    waist: list[int]  # from the body that carries the legs to the one that carries the arms
+    arms: tuple[list[int], list[int]] | None
+    head: list[int]
+    locked: dict[int, str]  # joints held at rest, and why
+    pelvis: int  # body from which the legs hang
+    torso: int  # body from which the arms hang
+
+    @property
+    def feet(self) -> tuple[int, int]:
+        """The bodies that stand."""
+        return self.legs[0][-1], self.legs[1][-1]
+
+
+def find_anatomy(skeleton: Skeleton, source: Source) -> Anatomy:
+    """Sort the joints of a robot.
+
+    Raises:
+        ConfigError: there are no two legs; says what was found instead.
+    """
+    feet = _feet(skeleton, source)
+    paths = [skeleton.path(foot) for foot in feet]
+    shared = [a for a, b in zip(*paths, strict=False) if a == b]
+    pelvis = shared[-1] if shared else BASE
+    left, right = (path[len(shared) :] for path in paths)
+    _refuse_followers_in(left + right, source, skeleton)
+    if len(left) != len(right):
+        raise ConfigError(
+            source.path,
+            f"the legs differ: {len(left)} joints to {skeleton.name(feet[0])} and {len(right)} to "
+            f"{skeleton.name(feet[1])}",
+        )
+    locked = {body: "toe" for foot in feet for body in skeleton.below(foot) if body != foot}
+    for side in (left, right):  # what else hangs on a leg
+        hanging = {body for joint in side for body in skeleton.below(joint)} - {*side}
+        locked |= {body: "on a leg" for body in hanging if body not in locked}
+    in_legs = {*left, *right, *locked}
+    rest = [j for j in range(2, skeleton.model.njoints) if j not in in_legs and j not in shared]
+    arms = _arms(skeleton, rest)
+    if arms is None:
+        return Anatomy((left, right), *_without_arms(skeleton, rest, shared, locked, pelvis))
+    torso = int(skeleton.model.parents[arms[0][0]])
+    waist = [j for j in skeleton.path(torso) if j not in shared]
+    waist += [j for j in reversed(shared) if j not in skeleton.path(torso)]
+    arms = _without_fingers(skeleton, arms, source.leaders)
+    for side in arms:
+        locked |= {b: "finger" for b in skeleton.below(side[0]) if b not in side}
+    taken = {*in_legs, *waist, *arms[0], *arms[1], *locked}
+    head = _head(skeleton, [j for j in rest if j not in taken])
+    locked |= {j: "neither leg, arm, waist nor head" for j in rest if j not in {*taken, *head}}
+    return Anatomy((left, right), waist, arms, head, locked, pelvis, torso)
+
+
+def _without_arms(
+    skeleton: Skeleton, rest: list[int], shared: list[int], locked: dict[int, str], pelvis: int
+) -> tuple[list[int], None, list[int], dict[int, str], int, int]:
+    """Waist, arms, head, locked joints, pelvis and torso of a robot without arms."""
+    chain = _head(skeleton, rest)
+    locked = locked | {j: "neither leg, arm, waist nor head" for j in rest if j not in chain}
+    torso = chain[-1] if chain else pelvis
+    return chain, None, [], locked, pelvis, torso
+
+
+def _feet(skeleton: Skeleton, source: Source) -> tuple[int, int]:
+    """The left and the right foot."""
+    feet = _standing(skeleton, source)
+    middles = [skeleton.points_at_rest(foot)[:, 1].mean() for foot in feet]
+    left, right = feet if middles[0] > middles[1] else feet[::-1]
+    return left, right
+
+
+def _standing(skeleton: Skeleton, source: Source) -> tuple[int, int]:
+    """The two bodies that reach the ground, in any order; toes are not among them."""
+    bodies = range(1, skeleton.model.njoints)
+    low = {body: float(skeleton.points_at_rest(body)[:, 2].min()) for body in bodies}
+    top = max(float(skeleton.points_at_rest(body)[:, 2].max()) for body in bodies)
+    ground = min(low.values())
+    height = top - ground
+    if low[BASE] <= ground + GROUND_LAYER * height:
+        raise ConfigError(
+            source.path,
+            f"the base, link {skeleton.links[BASE][0]}, reaches down to the ground: mgs moves "
+            "robots that stand on two legs; z has to be up with every joint at 0",
+        )
+    limbs: dict[int, list[int]] = {}  # by the body from which they part: those near the ground
+    for body in bodies:
+        if low[body] <= ground + GROUND_LAYER * height:
+            limbs.setdefault(_first_of_limb(skeleton, body, low, ground, height), []).append(body)
+    feet = []
+    for near in limbs.values():
+        lowest = min(low[body] for body in near)
+        feet.append(min(b for b in near if low[b] <= lowest + SOLE_LAYER * height))
+    if len(feet) != 2:
+        names = ", ".join(skeleton.links[foot][0] for foot in feet)
+        raise ConfigError(
+            source.path,
+            f"mgs moves robots that stand on two legs; with every joint at 0 and z up the ground "
+            f"is reached by {names}",
+        )
+    return feet[0], feet[1]
+
+
+def _first_of_limb(
+    skeleton: Skeleton, body: int, low: dict[int, float], ground: float, height: float
+) -> int:
+    """The highest body on the path to a foot that carries nothing but what this foot ends."""
+    first = body
+    for above in reversed(skeleton.path(body)[:-1]):
+        ends = [b for b in skeleton.below(above) if low[b] <= ground + GROUND_LAYER * height]
+        if any(body not in skeleton.path(b) and b not in skeleton.path(body) for b in ends):
+            break
+        first = above
+    return first
+
+
+def heading(skeleton: Skeleton, source: Source) -> float:
+    """Where the robot looks, as a yaw in its base frame in quarters of a turn [rad].
+
+    Feet stand side by side, and a knee bends so that the foot goes back.
+    """
+    feet = _standing(skeleton, source)
+    ends = [skeleton.points_at_rest(foot).mean(axis=0) for foot in feet]
+    apart = np.abs(ends[0] - ends[1])[:2]
+    ahead = np.array([1.0, 0.0] if apart[1] >= apart[0] else [0.0, 1.0])
+    back = sum(_knee_moves_foot(skeleton, foot) @ ahead for foot in feet)
+    if abs(back) < 1e-3:
+        return 0.0
+    ahead = -ahead * np.sign(back)
+    return float(np.arctan2(ahead[1], ahead[0]))
+
+
+def _knee_moves_foot(skeleton: Skeleton, foot: int) -> Array:
+    """Direction (2,) in which a foot goes when the joint nearest to mid-leg bends."""
+    path = skeleton.path(foot)
+    heights = np.array([skeleton.placements[j].translation[2] for j in path])
+    ground = skeleton.points_at_rest(foot)[:, 2].min()
+    candidates = [j for j in path if abs(_axis_in_base(skeleton, j)[2]) < 0.5]  # no yaw joint
+    middle = 0.5 * (heights[0] + ground)
+    origins = {j: skeleton.placements[j].translation for j in path}
+    knee = min(candidates or path, key=lambda j: abs(origins[j][2] - middle))
+    at, model = int(skeleton.model.idx_qs[knee]), skeleton.model
+    up = model.upperPositionLimit[at] - skeleton.at_rest[at]
+    down = skeleton.at_rest[at] - model.lowerPositionLimit[at]
+    arm = origins[foot] - origins[knee]
+    moved = np.cross(_axis_in_base(skeleton, knee), arm) * (up - down)
+    return np.asarray(moved[:2] / (np.linalg.norm(arm) or 1.0))
+
+
+def _axis_in_base(skeleton: Skeleton, joint: int) -> Array:
+    return np.asarray(skeleton.placements[joint].rotation @ joint_axis(skeleton.model, joint))
+
+
+def _refuse_followers_in(legs: list[int], source: Source, skeleton: Skeleton) -> None:
+    moved = {skeleton.name(joint) for joint in legs}
+    fixed = [f"{a} follows {b}" for a, b in source.mimics.items() if b in moved]
+    if fixed:
+        raise ConfigError(
+            source.path,
+            f"joints of the legs are coupled ({', '.join(fixed)}); mgs moves trees of independent "
+            "joints only",
+        )
+
+
+def _arms(skeleton: Skeleton, rest: list[int]) -> tuple[list[int], list[int]] | None:
+    """Joints of the longest pair of chains of which one mirrors the other, left first."""
+    origins = {j: skeleton.placements[j].translation for j in rest}
+    lows = [skeleton.points_at_rest(b)[:, 2] for b in range(1, skeleton.model.njoints)]
+    height = float(max(z.max() for z in lows) - min(z.min() for z in lows))
+    leaves = [j for j in rest if not skeleton.children(j)]
+    best: tuple[float, list[int], list[int]] | None = None
+    for a, b in itertools.permutations(leaves, 2):
+        mirrored = origins[b] * [1.0, -1.0, 1.0]
+        if not origins[a][1] > MIRRORED * height:
+            continue
+        if np.abs(origins[a] - mirrored).max() > MIRRORED * height:
+            continue
+        left, right = skeleton.path(a), skeleton.path(b)
+        shared = [i for i, j in zip(left, right, strict=False) if i == j]
+        left, right = left[len(shared) :], right[len(shared) :]
+        length = sum(
+            float(np.linalg.norm(origins[j] - origins[i])) for i, j in itertools.pairwise(left)
+        )
+        if len(left) == len(right) and (best is None or length > best[0]):
+            best = length, left, right
+    return None if best is None else (best[1], best[2])
+
+
+def _without_fingers(
+    skeleton: Skeleton, arms: tuple[list[int], list[int]], leaders: set[str]
+) -> tuple[list[int], list[int]]:
+    """Arms up to the hand: where they branch, or where a gripper's leading joint begins."""
+    n = len(arms[0])
+    for arm in arms:
+        for i, joint in enumerate(arm):
+            if skeleton.name(joint) in leaders:
+                n = min(n, i)
+            elif len(skeleton.children(joint)) > 1:
+                n = min(n, i + 1)
+    n = max(n, 1)
+    return arms[0][:n], arms[1][:n]
+
+
+def _head(skeleton: Skeleton, rest: list[int]) -> list[int]:
+    """The chain of `rest` that reaches highest, up to where it branches."""
+    roots = [j for j in rest if int(skeleton.model.parents[j]) not in rest]
+    if not roots:
+        return []
+    tops = [max(skeleton.points_at_rest(b)[:, 2].max() for b in skeleton.below(j)) for j in roots]
+    chain = [roots[int(np.argmax(tops))]]
+    while len(following := skeleton.children(chain[-1])) == 1:
+        chain += following
+    return chain

@@ -1,0 +1,145 @@
+"""Links of the cleaned copy: one for each moving body, with an inertia that engines take."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+
+import numpy as np
+import pinocchio as pin
+
+from mgs.core.arrays import Array
+from mgs.robot.init.anatomy import Anatomy
+from mgs.robot.init.skeleton import BASE, Skeleton
+from mgs.robot.init.sole import Sole
+from mgs.robot.urdf_text import Shape, add_link, add_revolute, joint_axis, numbers
+
+LEAST_MASS = 1e-5  # of the robot's
+LEAST_INERTIA = 1e-7  # of its mass times its leg length squared
+CLEAR = 0.005  # [m] that shapes stay above the soles
+
+
+def link_names(skeleton: Skeleton, root: ElementTree.Element) -> list[str]:
+    """Link of each body that keeps its name: the one that the joint moves; the root link."""
+    children = {j.get("name", ""): _child(j) for j in root.findall("joint")}
+    ends = {_child(j) for j in root.findall("joint")}
+    base = next(n for n in (link.get("name", "") for link in root.findall("link")) if n not in ends)
+    moved = [children[skeleton.name(body)] for body in range(2, skeleton.model.njoints)]
+    return ["", base, *moved]
+
+
+def _child(joint: ElementTree.Element) -> str:
+    child = joint.find("child")
+    return "" if child is None else child.get("link", "")
+
+
+def cleaned_urdf(
+    name: str,
+    skeleton: Skeleton,
+    links: list[str],
+    shapes: list[list[Shape]],
+    inertias: list[pin.Inertia],
+    figures: dict[int, tuple[float, float]],
+) -> str:
+    """URDF text of a skeleton.
+
+    Args:
+        name: of the robot.
+        skeleton: its bodies.
+        links: name of each body's link.
+        shapes: collision shapes of each body.
+        inertias: of each body.
+        figures: effort [N m] and velocity [rad/s] of each joint.
+    """
+    model, root = skeleton.model, ElementTree.Element("robot", name=name)
+    for body in range(BASE, model.njoints):
+        add_link(root, links[body], inertias[body], shapes[body])
+    for body in range(BASE + 1, model.njoints):
+        at = int(model.idx_qs[body])
+        limits = (
+            float(model.lowerPositionLimit[at]), float(model.upperPositionLimit[at]), *figures[body]
+        )  # fmt: skip
+        ends = links[int(model.parents[body])], links[body]
+        placement, axis = model.jointPlacements[body], joint_axis(model, body)
+        add_revolute(root, skeleton.name(body), ends, placement, axis, limits)
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def mended_inertias(
+    skeleton: Skeleton, leg_length: float, links: list[str], notes: list[str]
+) -> list[pin.Inertia]:
+    """Inertias of the bodies; those that no body can have are raised to the nearest and noted."""
+    mass = float(pin.computeTotalMass(skeleton.model))
+    floor = LEAST_INERTIA * mass * leg_length**2
+    inertias = [skeleton.model.inertias[0]]
+    for body in range(BASE, skeleton.model.njoints):
+        inertia = skeleton.model.inertias[body]
+        moments, axes = np.linalg.eigh(inertia.inertia)
+        new_mass = max(float(inertia.mass), LEAST_MASS * mass)
+        new = np.maximum(moments, floor)
+        new[:2] += 0.5 * max(0.0, new[2] * (1.0 + 1e-6) - new[0] - new[1])
+        if new_mass > inertia.mass:
+            notes.append(f"link {links[body]} weighs {inertia.mass:g} kg; set to {new_mass:.2g} kg")
+        if np.abs(new - moments).max() > 1e-9 * new[2]:
+            was, now = (", ".join(f"{m:.3g}" for m in values) for values in (moments, new))
+            notes.append(
+                f"link {links[body]}: no body has the principal moments {was} kg m^2; set to {now}"
+            )
+            inertia = pin.Inertia(new_mass, inertia.lever, axes @ np.diag(new) @ axes.T)
+        elif new_mass > inertia.mass:
+            inertia = pin.Inertia(new_mass, inertia.lever, inertia.inertia)
+        inertias.append(inertia)
+    return inertias
+
+
+def clean_shapes(
+    skeleton: Skeleton, anatomy: Anatomy, soles: tuple[Sole, Sole], q: Array, notes: list[str]
+) -> list[list[Shape]]:
+    """Collision shapes of the bodies: feet as boxes down to the sole, meshes as boxes.
+
+    What reaches down to the soles in the posture q, other than feet, is left out: it is the corner
+    of a box about an ankle, and would carry the robot.
+    """
+    model, data = skeleton.model, skeleton.model.createData()
+    pin.forwardKinematics(model, data, q)
+    ground = min(
+        float((data.oMi[foot] * sole.placement).translation[2])
+        for foot, sole in zip(anatomy.feet, soles, strict=True)
+    )
+    shapes: list[list[Shape]] = [[] for _ in range(model.njoints)]
+    for body in range(BASE, model.njoints):
+        if body in anatomy.feet:
+            sole = soles[anatomy.feet.index(body)]
+            shapes[body].append(_foot_box(skeleton.points(body), sole))
+            continue
+        for link, pose, surface in skeleton.surfaces[body]:
+            placement, kind, size = surface.shape()
+            placement = pose * placement
+            low = (data.oMi[body] * placement).act(np.zeros(3))[2] - _half_height(
+                data.oMi[body].rotation @ placement.rotation, kind, size
+            )
+            if low < ground + CLEAR:
+                notes.append(f"a shape of link {link} left out: its {kind} reaches to the ground")
+                continue
+            shapes[body].append((placement, kind, size))
+    return shapes
+
+
+def _foot_box(points: Array, sole: Sole) -> Shape:
+    local = (points - sole.placement.translation) @ sole.placement.rotation
+    low, high = local.min(axis=0), local.max(axis=0)
+    low[2], high[2] = 0.0, max(high[2], 1e-3)
+    centre = sole.placement * pin.SE3(np.eye(3), 0.5 * (low + high))
+    return centre, "box", {"size": numbers(high - low)}
+
+
+def _half_height(R: Array, kind: str, size: dict[str, str]) -> float:
+    """Half the extent of a primitive along the vertical [m]."""
+    if kind == "sphere":
+        return float(size["radius"])
+    if kind == "box":
+        half = 0.5 * np.array([float(word) for word in size["size"].split()])
+        return float(np.abs(R[2]) @ half)
+    z = abs(float(R[2, 2]))
+    across = float(np.sqrt(max(0.0, 1.0 - z * z)))
+    return 0.5 * float(size["length"]) * z + float(size["radius"]) * across

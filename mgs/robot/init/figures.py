@@ -1,0 +1,51 @@
+"""Torque and speed of every joint: what the URDF says, guessed where it says nothing usable."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from xml.etree import ElementTree
+
+from mgs.core.constants import GRAVITY
+from mgs.robot.init.anatomy import Anatomy
+from mgs.robot.init.skeleton import Skeleton
+
+MOST_EFFORT, MOST_SPEED = 5e3, 60.0  # [N m], [rad/s]; beyond: put there for want of a figure
+LEG_TORQUE, OTHER_TORQUE = 0.5, 0.1  # of weight times leg length
+JOINT_SPEED = 3.0  # in units of sqrt(g / leg length)
+
+
+@dataclass(frozen=True)
+class ServoFigures:
+    """Effort [N m] and velocity [rad/s] of a joint, and which of the two are guesses."""
+
+    effort: float
+    velocity: float
+    guessed: tuple[str, ...]
+
+
+def servo_figures(
+    skeleton: Skeleton, anatomy: Anatomy, root: ElementTree.Element, mass: float, leg: float
+) -> dict[int, ServoFigures]:
+    """Figures of every joint of a robot of a mass [kg] and a leg length [m]."""
+    limits = {joint.get("name", ""): joint.find("limit") for joint in root.findall("joint")}
+    strong = {*anatomy.legs[0], *anatomy.legs[1], *anatomy.waist}
+    figures = {}
+    for joint in range(2, skeleton.model.njoints):
+        limit = limits[skeleton.name(joint)]
+        assert limit is not None
+        effort, velocity = (abs(float(limit.get(key, "0"))) for key in ("effort", "velocity"))
+        guessed = []
+        if not 0.0 < effort <= MOST_EFFORT:
+            part = LEG_TORQUE if joint in strong else OTHER_TORQUE
+            effort = _round(part * mass * GRAVITY * leg)
+            guessed.append("stall_torque")
+        if not 0.0 < velocity <= MOST_SPEED:
+            velocity = _round(JOINT_SPEED * math.sqrt(GRAVITY / leg))
+            guessed.append("no_load_speed")
+        figures[joint] = ServoFigures(effort, velocity, tuple(guessed))
+    return figures
+
+
+def _round(value: float) -> float:
+    return float(f"{value:.2g}")

@@ -1,0 +1,183 @@
+"""The surface of every link as points, from primitives and from mesh files.
+
+A mesh is named by a path, file://, package:// or model://. The latter two begin with the name of a
+package, which is looked for in the folders given, in the folders of ROS_PACKAGE_PATH and
+AMENT_PREFIX_PATH, and in every folder above the URDF.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+
+import coal
+import numpy as np
+import pinocchio as pin
+
+from mgs.core.arrays import Array
+from mgs.core.errors import ConfigError
+from mgs.robot.urdf_text import Shape, numbers
+
+MOST_POINTS = 20_000  # of a mesh that are looked at
+LEAST_SIDE = 2e-3  # [m] of a box
+RING = 16  # points around a cylinder
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """One collision shape (or, where a link has none, one visual) of a link."""
+
+    placement: pin.SE3  # in the link
+    points: Array  # (N, 3) in the shape's frame [m]
+    primitive: tuple[str, dict[str, str]] | None  # element and attributes; None: a mesh
+
+    def in_link(self) -> Array:
+        """Points (N, 3) in the link's frame."""
+        return self.points @ self.placement.rotation.T + self.placement.translation
+
+    def shape(self) -> Shape:
+        """Itself if it is a primitive, else a box about it."""
+        if self.primitive is not None:
+            return self.placement, *self.primitive
+        box, size = bounding_box(self.points)
+        return self.placement * box, "box", {"size": numbers(size)}
+
+
+class Surfaces:
+    """Reads the shapes of links; meshes that are not found are remembered."""
+
+    def __init__(self, urdf: Path, root: ElementTree.Element, package_paths: tuple[Path, ...]):
+        self._urdf, self._packages = urdf.resolve(), package_paths
+        self._links = {link.get("name", ""): link for link in root.findall("link")}
+        self._meshes: dict[tuple[Path, str], Array] = {}
+        self.missing: list[str] = []
+
+    def of_link(self, name: str) -> list[Surface]:
+        """Collision shapes of a link; its visuals where it has no collision shape."""
+        for tag in ("collision", "visual"):
+            found = [self._read(element) for element in self._links[name].findall(tag)]
+            surfaces = [surface for surface in found if surface is not None]
+            if surfaces:
+                return surfaces
+        return []
+
+    def _read(self, element: ElementTree.Element) -> Surface | None:
+        geometry = element.find("geometry")
+        if geometry is None or not len(geometry):
+            return None
+        placement, shape = _origin(element), geometry[0]
+        try:
+            if shape.tag == "mesh":
+                points = self._mesh(shape)
+                return None if points is None else Surface(placement, points, None)
+            return _primitive(placement, shape)
+        except ValueError as error:
+            raise ConfigError(self._urdf, f"<{shape.tag}> is malformed: {error}") from error
+
+    def _mesh(self, shape: ElementTree.Element) -> Array | None:
+        name, scale = shape.get("filename", ""), shape.get("scale", "1 1 1")
+        path = find_mesh(name, self._urdf, self._packages)
+        if path is None:
+            self.missing.append(name)
+            return None
+        if (path, scale) not in self._meshes:
+            try:
+                model = coal.MeshLoader(coal.BV_OBBRSS).load(str(path), np.array(_three(scale)))
+                points = np.array(model.vertices(), dtype=float).reshape(-1, 3)
+            except (ValueError, RuntimeError):
+                points = np.empty((0, 3))
+            self._meshes[path, scale] = points[:: 1 + len(points) // MOST_POINTS]
+        points = self._meshes[path, scale]
+        if not len(points):
+            self.missing.append(f"{name} (not readable)")
+            return None
+        return points
+
+
+def find_mesh(name: str, urdf: Path, package_paths: tuple[Path, ...]) -> Path | None:
+    """Path of a mesh file that a URDF names; None where there is none."""
+    kind, _, rest = name.partition("://")
+    if not rest:
+        kind, rest = "file", name
+    if kind == "file":
+        path = urdf.parent / rest
+        return path if path.is_file() else None
+    package, _, inside = rest.partition("/")
+    listed = os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep)
+    prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    folders = [
+        *package_paths,
+        *(Path(folder) for folder in listed if folder),
+        *(Path(folder) / "share" for folder in prefixes if folder),
+        *urdf.parents,
+    ]
+    for folder in folders:
+        candidates = [folder / package / inside]
+        if folder.name == package or folder in package_paths:
+            candidates.append(folder / inside)
+        for path in candidates:
+            if path.is_file():
+                return path
+    return None
+
+
+def bounding_box(points: Array) -> tuple[pin.SE3, Array]:
+    """Pose and size (3,) of a box about points (N, 3): along the axes or the principal axes."""
+    covariance = np.cov(points.T) if len(points) > 3 else np.eye(3)
+    principal = np.linalg.eigh(covariance)[1]
+    principal[:, 2] *= np.sign(np.linalg.det(principal))
+    best: tuple[float, pin.SE3, Array] | None = None
+    for R in (np.eye(3), principal):
+        low, high = (points @ R).min(axis=0), (points @ R).max(axis=0)
+        size = np.maximum(high - low, LEAST_SIDE)
+        if best is None or np.prod(size) < 0.9 * best[0]:
+            best = float(np.prod(size)), pin.SE3(R, R @ (0.5 * (low + high))), size
+    assert best is not None
+    return best[1], best[2]
+
+
+def _origin(element: ElementTree.Element) -> pin.SE3:
+    origin = element.find("origin")
+    if origin is None:
+        return pin.SE3.Identity()
+    xyz, rpy = _three(origin.get("xyz", "0 0 0")), _three(origin.get("rpy", "0 0 0"))
+    return pin.SE3(pin.rpy.rpyToMatrix(*rpy), np.array(xyz))
+
+
+def _three(text: str) -> list[float]:
+    values = [float(word) for word in text.split()]
+    if len(values) != 3:
+        raise ValueError(f"three numbers expected, found {text!r}")
+    return values
+
+
+def _primitive(placement: pin.SE3, shape: ElementTree.Element) -> Surface | None:
+    if shape.tag == "box":
+        size = _three(shape.get("size", ""))
+        corners = np.array(np.meshgrid(*[[-0.5, 0.5]] * 3)).reshape(3, -1).T
+        return Surface(placement, corners * size, ("box", {"size": numbers(size)}))
+    if shape.tag == "sphere":
+        radius = float(shape.get("radius", ""))
+        R = placement.rotation  # poles along the axes of the link, level soles end at one
+        points = radius * _directions() @ R
+        return Surface(placement, points, ("sphere", {"radius": repr(radius)}))
+    if shape.tag in ("cylinder", "capsule"):
+        radius, length = float(shape.get("radius", "")), float(shape.get("length", ""))
+        angles = np.arange(RING) * 2.0 * np.pi / RING
+        ring = np.stack([radius * np.cos(angles), radius * np.sin(angles), 0.0 * angles], axis=1)
+        if shape.tag == "capsule":
+            ring = radius * _directions()
+        end = np.array([0.0, 0.0, 0.5 * length])
+        points = np.concatenate([ring - end, ring + end])
+        round_size = {"radius": repr(radius), "length": repr(length)}
+        return Surface(placement, points, ("cylinder", round_size))
+    return None
+
+
+def _directions() -> Array:
+    """Unit vectors (N, 3) that cover the sphere, the axes among them."""
+    polar, around = np.linspace(0.0, np.pi, 9), np.arange(RING) * 2.0 * np.pi / RING
+    t, p = (x.ravel() for x in np.meshgrid(polar, around))
+    return np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], axis=1)

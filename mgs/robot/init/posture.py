@@ -1,0 +1,220 @@
+"""A half-sitting posture: knees bent, soles level on one plane, the CoM above them.
+
+The base stays upright. Each leg is solved on its own by bounded least squares, its sole level, at
+its distance sideways at rest and at a height that bends the knee; the soles are moved under the
+CoM and the legs solved again until that settles. Arms hang forward with bent elbows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from mgs.core.arrays import Array
+from mgs.robot.init.anatomy import Anatomy
+from mgs.robot.init.skeleton import Skeleton
+from mgs.robot.init.sole import Sole
+from mgs.robot.urdf_text import joint_axis
+
+CROUCHES = (0.95, 0.96, 0.97, 0.98)  # of the stretched leg, from hip to sole
+MOST_LOAD = 0.3  # of its torque that a joint in pitch may need to carry the robot on one leg
+LEG_ROOM = 0.25  # [rad] from the limits of a leg that leaves room for a step
+HAND_REACH = 0.85  # of the stretched arm, from shoulder to hand
+HAND_DIRECTION = (0.2, 0.2, -0.96)  # forward, outward, down
+REST_WEIGHT = 1e-3  # [m/rad] pull to the posture at rest
+NEAR = 1e-6  # [m] and [rad] that a sole may be off
+ROOM, ARM_ROOM = 0.02, 0.35  # [rad] kept from the limits of legs and arms, of narrow ones less
+BALANCE_ROUNDS = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Posture:
+    """Half-sitting configuration."""
+
+    q: Array  # (nq,), base at the origin
+    sole_error: float  # [m] and [rad], largest of both legs
+    balance_error: float  # [m] CoM from the middle of the soles, forward
+
+
+def leg_length(skeleton: Skeleton, leg: list[int], sole: Sole) -> float:
+    """Length of a stretched leg from its first joint to the sole [m]."""
+    steps = [np.linalg.norm(skeleton.model.jointPlacements[j].translation) for j in leg[1:]]
+    return float(sum(steps) + np.linalg.norm(sole.placement.translation))
+
+
+def hand_point(skeleton: Skeleton, body: int) -> Array:
+    """Middle (3,) of the surface of a hand, in its frame [m]."""
+    points = skeleton.points(body)
+    return 0.5 * (points.min(axis=0) + points.max(axis=0))
+
+
+def find_posture(
+    skeleton: Skeleton, anatomy: Anatomy, soles: tuple[Sole, Sole], torque: dict[int, float]
+) -> Posture:
+    """Half-sitting posture: the lowest with level soles that legs have the room and strength for.
+
+    Where none has all of that, soles count before room and room before strength. `torque` [N m] is
+    what joints have.
+    """
+    q = skeleton.at_rest.copy()
+    for side, arm in enumerate(anatomy.arms or ()):
+        _place_hand(skeleton, arm, 1.0 - 2.0 * side, q)
+    found: list[tuple[tuple[float, float, float], Posture]] = []
+    for crouch in CROUCHES:
+        posture = _sit(skeleton, anatomy, soles, q.copy(), crouch)
+        room = _room(skeleton, anatomy, posture.q)
+        load = _load(skeleton, anatomy.legs[0], soles[0], posture.q, torque)
+        score = -max(posture.sole_error, NEAR), min(room, LEG_ROOM), -max(load, MOST_LOAD)
+        found.append((score, posture))
+        if score == (-NEAR, LEG_ROOM, -MOST_LOAD):
+            break
+    return max(found, key=lambda item: item[0])[1]
+
+
+def _room(skeleton: Skeleton, anatomy: Anatomy, q: Array) -> float:
+    """Least distance of a leg's joint from its limits [rad]."""
+    at = _angles(skeleton, [*anatomy.legs[0], *anatomy.legs[1]])
+    model = skeleton.model
+    room = np.minimum(q[at] - model.lowerPositionLimit[at], model.upperPositionLimit[at] - q[at])
+    return float(room.min())
+
+
+def _load(
+    skeleton: Skeleton, leg: list[int], sole: Sole, q: Array, torque: dict[int, float]
+) -> float:
+    """Largest part of its torque that a joint in pitch needs to carry the robot on one leg."""
+    model, data = skeleton.model, skeleton.model.createData()
+    gravity = pin.computeGeneralizedGravity(model, data, q)
+    pin.computeJointJacobians(model, data, q)
+    at = data.oMi[leg[-1]].act(sole.placement.translation)
+    weight = np.array([0.0, 0.0, gravity[2]])  # the base is upright: its third force is the weight
+    wrench = np.concatenate([weight, np.cross(at, weight)])  # about the origin
+    needed = gravity - pin.getJointJacobian(model, data, leg[-1], pin.WORLD).T @ wrench
+    pitch = [j for j in leg if _turns_in_pitch(skeleton, j)]
+    return max((abs(float(needed[model.idx_vs[j]])) / torque[j] for j in pitch), default=0.0)
+
+
+def _turns_in_pitch(skeleton: Skeleton, joint: int) -> bool:
+    axis = skeleton.placements[joint].rotation @ joint_axis(skeleton.model, joint)
+    return bool(abs(axis[1]) > 0.7)
+
+
+def _sit(
+    skeleton: Skeleton, anatomy: Anatomy, soles: tuple[Sole, Sole], q: Array, crouch: float
+) -> Posture:
+    model, data = skeleton.model, skeleton.model.createData()
+    pin.forwardKinematics(model, data, skeleton.at_rest)
+    rest = [data.oMi[leg[-1]] * s.placement for leg, s in zip(anatomy.legs, soles, strict=True)]
+    half_width = 0.5 * (rest[0].translation[1] - rest[1].translation[1])
+    middle = 0.5 * (rest[0].translation[1] + rest[1].translation[1])
+    hips = [data.oMi[leg[0]].translation.copy() for leg in anatomy.legs]
+    length = leg_length(skeleton, anatomy.legs[0], soles[0])
+    drop = min(hips[0][2] - rest[0].translation[2], length) * crouch
+    x, error, offset = float(hips[0][0]), 0.0, 0.0
+    for _ in range(BALANCE_ROUNDS):
+        error = 0.0
+        for side, leg in enumerate(anatomy.legs):
+            y = middle + (1 - 2 * side) * half_width
+            target = pin.SE3(np.eye(3), np.array([x, y, 0.5 * (hips[0] + hips[1])[2] - drop]))
+            error = max(error, _place_sole(skeleton, leg, soles[side], target, q))
+        offset = float(pin.centerOfMass(model, data, q)[0]) - x
+        if abs(offset) < NEAR or error > 0.1:
+            break
+        x += offset
+    return Posture(q, error, offset)
+
+
+def _place_sole(skeleton: Skeleton, leg: list[int], sole: Sole, target: pin.SE3, q: Array) -> float:
+    """Solve the joints of a leg in q, in place; returns what is left of the error."""
+
+    def error(data: pin.Data) -> Array:
+        T = data.oMi[leg[-1]] * sole.placement
+        turn = pin.log3(target.rotation.T @ T.rotation)
+        return np.concatenate([T.translation - target.translation, turn])
+
+    return _solve(skeleton, leg, error, _leg_starts(skeleton, leg, q), q, ROOM)
+
+
+def _place_hand(skeleton: Skeleton, arm: list[int], outward: float, q: Array) -> None:
+    """Bend an arm in q, in place, as far as its limits let it."""
+    shoulder, hand = skeleton.placements[arm[0]].translation, hand_point(skeleton, arm[-1])
+    reach = sum(np.linalg.norm(skeleton.model.jointPlacements[j].translation) for j in arm[1:])
+    reach += np.linalg.norm(hand)
+    direction = np.array(HAND_DIRECTION) * [1.0, outward, 1.0]
+    target = shoulder + HAND_REACH * float(reach) * direction / np.linalg.norm(direction)
+
+    def error(data: pin.Data) -> Array:
+        return np.asarray(data.oMi[arm[-1]].act(hand) - target)
+
+    starts = [skeleton.at_rest[_angles(skeleton, arm)] + bend for bend in (0.0, 0.4, -0.4)]
+    _solve(skeleton, arm, error, iter(starts), q, ARM_ROOM)
+
+
+def _leg_starts(skeleton: Skeleton, leg: list[int], q: Array) -> Iterator[Array]:
+    """Where it stands, then knees bent either way with hip and ankle against it."""
+    at = _angles(skeleton, leg)
+    yield q[at]
+    pitch = [i for i, joint in enumerate(leg) if _turns_in_pitch(skeleton, joint)]
+    for bend in (0.8, 0.4):
+        start = skeleton.at_rest[at].copy()
+        for part, joint in zip(_pitch_pattern(len(pitch)), pitch, strict=True):
+            axis = skeleton.placements[leg[joint]].rotation @ joint_axis(skeleton.model, leg[joint])
+            start[joint] += bend * part * np.sign(axis[1])
+        yield start
+
+
+def _pitch_pattern(n: int) -> list[float]:
+    """Parts of the knee's bend by pitch joint, about +y: hip back, knee, ankle back."""
+    return [-0.5, 1.0, -0.5, *[0.0] * (n - 3)] if n >= 3 else [0.0] * n
+
+
+def _angles(skeleton: Skeleton, joints: list[int]) -> NDArray[np.intp]:
+    return np.array([skeleton.model.idx_qs[j] for j in joints])
+
+
+def _solve(
+    skeleton: Skeleton,
+    joints: list[int],
+    error: Callable[[pin.Data], Array],
+    starts: Iterator[Array],
+    q: Array,
+    room: float,
+) -> float:
+    """Minimise an error over some joints of q, in place; returns its largest part that is left.
+
+    Joints keep `room` [rad] from their limits, a quarter of the range at most.
+    """
+    from scipy.optimize import least_squares
+
+    model, data, at = skeleton.model, skeleton.model.createData(), _angles(skeleton, joints)
+    lower, upper = model.lowerPositionLimit[at], model.upperPositionLimit[at]
+    kept = np.minimum(room, 0.25 * (upper - lower))
+    lower, upper = lower + kept, upper - kept
+    rest = np.clip(skeleton.at_rest[at], lower, upper)
+
+    def residual(angles: Array, pull: float) -> Array:
+        full = q.copy()
+        full[at] = angles
+        pin.forwardKinematics(model, data, full)
+        return np.concatenate([error(data), pull * (angles - rest)])
+
+    best, least = rest, np.inf
+    for start in starts:
+        angles = np.clip(start, lower + 1e-6, upper - 1e-6)
+        for pull in (REST_WEIGHT, 0.0):  # the pull chooses among solutions, then it lets go
+            found = least_squares(
+                residual, angles, args=(pull,), bounds=(lower, upper), xtol=1e-12, ftol=1e-12,
+                gtol=1e-12, max_nfev=200,
+            )  # fmt: skip
+            angles = np.clip(found.x, lower + 1e-9, upper - 1e-9)
+        left = float(np.abs(residual(angles, 0.0)[: -len(at)]).max())
+        if left < least:
+            best, least = angles, left
+        if least <= NEAR:
+            break
+    q[at] = best
+    return least

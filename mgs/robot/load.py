@@ -1,0 +1,44 @@
+"""Robot folders: one given by its path, or a shipped one by its name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mgs.core.config import build, is_file, parse_yaml, read_text
+from mgs.core.errors import ConfigError
+from mgs.core.shipped import shipped_folder
+from mgs.robot.build import build_robot
+from mgs.robot.robot import Robot
+from mgs.robot.spec import RobotSpec
+
+
+def load_robot(name_or_dir: str | Path) -> Robot:
+    """Read a robot folder, or a shipped robot by name.
+
+    Raises:
+        ConfigError: a file is missing or malformed, or robot.yaml and URDF contradict each other.
+    """
+    folder = find_robot(name_or_dir)
+    path = folder / "robot.yaml"
+    text = read_text(path)
+    spec = build(RobotSpec, parse_yaml(text, path), path)
+    return build_robot(text, read_text(folder / spec.urdf), path)
+
+
+def find_robot(name_or_dir: str | Path) -> Path:
+    """Folder of a robot given by path or shipped name; raises ConfigError listing what ships."""
+    path = Path(name_or_dir)
+    path = path.parent if path.name == "robot.yaml" else path
+    shipped = shipped_folder("robots")
+    for folder in (path, shipped / name_or_dir):
+        if is_file(folder / "robot.yaml"):
+            return folder
+    raise ConfigError(
+        name_or_dir,
+        f"no robot.yaml there and no robot of that name; shipped: {', '.join(list_robots())}",
+    )
+
+
+def list_robots() -> list[str]:
+    """Names of the shipped robots."""
+    return sorted(path.parent.name for path in shipped_folder("robots").glob("*/robot.yaml"))

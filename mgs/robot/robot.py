@@ -1,0 +1,74 @@
+"""A robot: URDF and robot.yaml joined into one Pinocchio model with soles, hands and limits."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import pinocchio as pin
+
+from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ
+from mgs.core.contact import Side
+from mgs.robot.collision_shapes import collision_geometry
+from mgs.robot.spec import RobotSpec, SoleSpec
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """A humanoid: Pinocchio model with a floating base, operational frames and servo limits.
+
+    Joint arrays have shape (n,) and follow `joint_names`; q is (7 + n,): base position, base
+    quaternion xyzw, joints; v is (6 + n,): base twist in the base frame, joints.
+    """
+
+    spec: RobotSpec
+    source: str
+    urdf: str
+    yaml: str
+    model: pin.Model
+    joint_names: tuple[str, ...]
+    lower: Array  # [rad]
+    upper: Array  # [rad]
+    speed_limit: Array  # of the URDF, at most the servo's no-load speed [rad/s]
+    no_load_speed: Array  # of the servo [rad/s]
+    torque_limit: Array  # stall torque of the servo [N m]
+    armature: Array  # [kg m^2]
+    posture: Array  # half-sitting joint angles [rad]
+    sole_frames: tuple[int, int]  # ids in `model`, left and right
+    hand_frames: tuple[int, int]  # of a robot without hands both are the torso's
+    torso_frame: int
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return len(self.joint_names)
+
+    @functools.cached_property
+    def mass(self) -> float:
+        """Total mass [kg]."""
+        return float(pin.computeTotalMass(self.model))
+
+    def sole_spec(self, side: Side) -> SoleSpec:
+        """Contact rectangle of one sole."""
+        return self.spec.soles.left if side is Side.LEFT else self.spec.soles.right
+
+    @functools.cached_property
+    def standing_q(self) -> Array:
+        """Half-sitting posture (7 + n,), soles on the ground, the origin midway between them."""
+        q = pin.neutral(self.model)
+        q[FLOATING_BASE_NQ:] = self.posture
+        data = self.model.createData()
+        pin.framesForwardKinematics(self.model, data, q)
+        left, right = (data.oMf[frame] for frame in self.sole_frames)
+        middle = pin.SE3(left.rotation, 0.5 * (left.translation + right.translation))
+        base = middle.inverse()  # the base frame is the world at neutral
+        q[:FLOATING_BASE_NQ] = pin.SE3ToXYZQUAT(base)
+        return q
+
+    @functools.cached_property
+    def geometry(self) -> pin.GeometryModel:
+        """Collision shapes with every pair that is neither adjacent nor ignored."""
+        return collision_geometry(
+            self.model, self.urdf, self.spec.ignore_collisions, f"{self.source}: {self.spec.urdf}"
+        )

@@ -1,0 +1,267 @@
+"""Speed envelope: how long steps of a given duration may be before a walk fails.
+
+For every step time the longest step that passes is found by bisection over whole multiples of a
+resolution. A probe is the walk with these steps: planned, checked without simulation, then replayed
+in one engine after the other until something fails, the cheapest first. Bisection takes for granted
+that what is too long stays too long; every probe is kept, so that an exception shows.
+"""
+
+from __future__ import annotations
+
+import concurrent.futures
+import math
+import multiprocessing
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass
+
+from mgs.core.config import build
+from mgs.core.constants import GRAVITY
+from mgs.core.errors import ConfigError, DivergenceError, InfeasibleGaitError
+from mgs.core.progress import Progress
+from mgs.gait import ComParameters, IkParameters, WalkGait, WalkParameters
+from mgs.judge.motion_checks import Check, check_motion
+from mgs.judge.verdict import replay_checks
+from mgs.motion_planner.walk import MIN_PHASE_SAMPLES
+from mgs.pipeline import generate
+from mgs.robot import Robot, leg_length
+from mgs.sim import EngineName, ServoName, replay
+
+PACES = (2.0, 2.5, 3.0, 4.0, 5.0, 6.0)  # step times tried, in units of sqrt(leg length / g)
+SHARE_OF_SINGLE_SUPPORT = 0.8  # of a step, where no gait says it
+STEP_HEIGHT = 0.05  # of the leg length, where no gait says it
+
+
+@dataclass(frozen=True)
+class Probe:
+    """One walk and what became of it."""
+
+    step_time: float  # double and single support [s]
+    step_length: float  # [m]
+    failed: tuple[str, ...]  # names of checks, or of the error that kept it from being planned
+    message: str  # of that error
+    zmp_margin: float | None  # of the plan, least [m]; None: there is no plan
+    max_tilt_deg: float | None  # of all replays; None: there was none
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing failed."""
+        return not self.failed
+
+    @property
+    def speed(self) -> float:
+        """Of the steady walk [m/s]."""
+        return self.step_length / self.step_time
+
+
+@dataclass(frozen=True, eq=False)
+class Envelope:
+    """All probes of one robot; `gait` is the walk whose steps were varied."""
+
+    gait: WalkGait
+    leg_length: float  # [m]
+    engines: tuple[EngineName, ...]
+    servo: ServoName
+    resolution: float  # of the step length [m]
+    probes: tuple[Probe, ...]
+
+    def limits(self) -> dict[float, Probe | None]:
+        """The longest step that passes for each step time; None: not even the shortest does."""
+        found: dict[float, Probe | None] = {}
+        for probe in sorted(self.probes, key=lambda p: (p.step_time, p.step_length)):
+            found.setdefault(probe.step_time, None)
+            if probe.passed:
+                found[probe.step_time] = probe
+        return found
+
+    @property
+    def fastest(self) -> Probe | None:
+        """The fastest probe that passed."""
+        return max((p for p in self.probes if p.passed), key=lambda p: p.speed, default=None)
+
+    def fastest_gait(self) -> WalkGait | None:
+        """The gait of the fastest probe that passed."""
+        best = self.fastest
+        return None if best is None else with_step(self.gait, best.step_time, best.step_length)
+
+    def froude(self, probe: Probe) -> float:
+        """Froude number v^2 / (g l) with the leg length l."""
+        return probe.speed**2 / (GRAVITY * self.leg_length)
+
+    def to_dict(self) -> dict[str, object]:
+        """Plain data."""
+        fastest = self.fastest
+        return {
+            "robot": self.gait.robot,
+            "gait": self.gait.model_dump(mode="json"),
+            "leg_length": self.leg_length,
+            "engines": list(self.engines),
+            "servo": self.servo,
+            "resolution": self.resolution,
+            "fastest": None if fastest is None else self._row(fastest),
+            "probes": [self._row(probe) for probe in self.probes],
+        }
+
+    def _row(self, probe: Probe) -> dict[str, object]:
+        figures = {"speed": probe.speed, "froude": self.froude(probe)}
+        return {**asdict(probe), "failed": list(probe.failed), **figures}
+
+
+def default_walk(robot: Robot, name: str) -> WalkGait:
+    """Ten steps in sizes of the robot; `name` is what its gait file calls it."""
+    step_height = round(STEP_HEIGHT * leg_length(robot), 4)
+    share = SHARE_OF_SINGLE_SUPPORT
+    walk = WalkParameters(
+        n_steps=10,
+        step_height=step_height,
+        single_support=share,
+        double_support=round(1.0 - share, 9),
+    )
+    return WalkGait(
+        mgs=1,
+        robot=name,
+        motion="walk",
+        walk=walk,
+        com=ComParameters(weight_jerk=1e-8),
+        ik=IkParameters(gamma_grav=0.0),
+    )
+
+
+def default_step_times(robot: Robot, dt: float) -> list[float]:
+    """Step times [s] in proportion to the time constant of a pendulum as long as the leg."""
+    unit = math.sqrt(leg_length(robot) / GRAVITY)
+    return sorted({round(round(pace * unit / dt) * dt, 6) for pace in PACES})
+
+
+def with_step(gait: WalkGait, step_time: float, step_length: float) -> WalkGait:
+    """The gait with other steps; the share of single support stays as far as samples allow.
+
+    Raises:
+        ConfigError: values that a gait file may not have.
+    """
+    steps = {**_phases(gait, step_time), "step_length": step_length}
+    values = {**gait.model_dump(), "walk": {**gait.walk.model_dump(), **steps}}
+    return build(WalkGait, values, f"a step of {step_length:g} m in {step_time:g} s")
+
+
+def _phases(gait: WalkGait, step_time: float) -> dict[str, float]:
+    walk = gait.walk
+    share = walk.single_support / (walk.single_support + walk.double_support)
+    least = MIN_PHASE_SAMPLES * gait.dt
+    single = round(share * step_time / gait.dt) * gait.dt
+    single = round(max(min(single, step_time - least), least), 9)
+    return {"single_support": single, "double_support": round(step_time - single, 9)}
+
+
+def find_envelope(
+    robot: Robot,
+    gait: WalkGait,
+    step_times: Iterable[float],
+    *,
+    resolution: float,
+    engines: tuple[EngineName, ...],
+    servo: ServoName = "model",
+    workers: int = 1,
+    progress: Progress | None = None,
+    keep: Callable[[Envelope], None] | None = None,
+) -> Envelope:
+    """Find the longest step of each step time.
+
+    Args:
+        robot: the robot.
+        gait: the walk whose steps are varied.
+        step_times: double and single support together [s].
+        resolution: of step lengths [m].
+        engines: in which a walk has to pass.
+        servo: "model" (with feed-forward) or "ideal".
+        workers: processes.
+        progress: called with step times done and step times in all.
+        keep: called with what is known, whenever a step time is done.
+
+    Raises:
+        ConfigError: a step time that the gait's phases do not allow.
+        SimulationError: an engine is missing.
+    """
+    probes: list[Probe] = []
+    times = list(step_times)
+    for step_time in times:
+        _check_time(gait, step_time)
+
+    def envelope() -> Envelope:
+        return Envelope(gait, leg_length(robot), engines, servo, resolution, tuple(probes))
+
+    jobs = [(robot, gait, step_time, resolution, engines, servo) for step_time in times]
+    for done, column in enumerate(_map(_column, jobs, workers), start=1):
+        probes += column
+        if keep is not None:
+            keep(envelope())
+        if progress is not None:
+            progress(done, len(times))
+    return envelope()
+
+
+Job = tuple[Robot, WalkGait, float, float, tuple[EngineName, ...], ServoName]
+
+
+def _map(
+    work: Callable[[Job], list[Probe]], jobs: list[Job], workers: int
+) -> Iterable[list[Probe]]:
+    if workers == 1 or len(jobs) < 2:
+        yield from map(work, jobs)
+        return
+    context = multiprocessing.get_context("spawn")  # engines do not survive a fork
+    with concurrent.futures.ProcessPoolExecutor(min(workers, len(jobs)), context) as pool:
+        for done in concurrent.futures.as_completed([pool.submit(work, job) for job in jobs]):
+            yield done.result()
+
+
+def _check_time(gait: WalkGait, step_time: float) -> None:
+    least = 2 * MIN_PHASE_SAMPLES * gait.dt
+    if step_time < least - 1e-9:
+        raise ConfigError("--times", f"{step_time:g} s is too short a step; {least:g} s at least")
+
+
+def _column(job: Job) -> list[Probe]:
+    """Probes of one step time, by bisection between no step at all and one as long as the leg."""
+    robot, gait, step_time, resolution, engines, servo = job
+    probes: list[Probe] = []
+    low, high = 0, max(2, math.ceil(min(leg_length(robot), 1.0) / resolution))
+    while high - low > 1:
+        middle = (low + high) // 2
+        walk = with_step(gait, step_time, round(middle * resolution, 9))
+        probes.append(probe(robot, walk, engines, servo))
+        low, high = (middle, high) if probes[-1].passed else (low, middle)
+    return probes
+
+
+def probe(robot: Robot, gait: WalkGait, engines: tuple[EngineName, ...], servo: ServoName) -> Probe:
+    """Plan, check and replay one walk, as far as it passes."""
+    step_time = round(gait.walk.single_support + gait.walk.double_support, 9)
+    step_length = gait.walk.step_length
+
+    def found(
+        failed: Iterable[str], message: str, margin: float | None, tilt: float | None
+    ) -> Probe:
+        return Probe(step_time, step_length, tuple(failed), message, margin, tilt)
+
+    try:
+        motion = generate(robot, gait).motion
+    except InfeasibleGaitError as error:
+        return found([type(error).__name__], str(error), None, None)
+    checks = check_motion(motion)
+    margin = next(check.value for check in checks if check.name == "zmp_margin")
+    tilt: float | None = None
+    failed = _failed(checks)
+    for engine in sorted(engines):  # mujoco before pybullet: it is the quicker one
+        if failed:
+            break
+        try:
+            result = replay(motion, engine, servo=servo)
+        except DivergenceError as error:
+            return found([f"{engine}_diverged"], str(error), margin, tilt)
+        tilt = max(result.max_tilt_deg, tilt or 0.0)
+        failed = _failed(replay_checks(result))
+    return found(failed, "", margin, tilt)
+
+
+def _failed(checks: list[Check]) -> list[str]:
+    return [check.name for check in checks if not check.ok]

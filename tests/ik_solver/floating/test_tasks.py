@@ -1,0 +1,263 @@
+"""Tasks of the floating-base robot: Jacobian, error and steps against forward kinematics alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from numpy.testing import assert_allclose
+
+from mgs.com_generator import generate_com
+from mgs.core.contact import Side
+from mgs.gait import BalanceGait, Gait, load_gait
+from mgs.ik_solver.floating.tasks import SIZES, BodyTasks, body_targets, parts_of
+from mgs.motion_planner import plan_motion
+from mgs.robot import Robot, load_robot
+from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
+
+PARTS = ("com", "left_sole", "torso", "right_hand", "com_xy", "right_sole", "left_hand", "com_z")
+
+
+@pytest.fixture(scope="module", params=["melson", "coman_legs"])
+def robot(request: pytest.FixtureRequest) -> Robot:
+    return load_robot(request.param)
+
+
+def any_configuration(robot: Robot, rng: np.random.Generator) -> np.ndarray:
+    """Joints anywhere in their ranges, the base anywhere and turned anyhow."""
+    quat = rng.normal(size=4)
+    joints = rng.uniform(robot.lower, robot.upper)
+    return np.concatenate([rng.uniform(-1.0, 1.0, 3), quat / np.linalg.norm(quat), joints])
+
+
+def places(robot: Robot, q: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray | None]]:
+    """Position and rotation of every part, straight from forward kinematics."""
+    model, data = robot.model, robot.model.createData()
+    pin.framesForwardKinematics(model, data, q)
+    com = pin.centerOfMass(model, data, q).copy()
+    out: dict[str, tuple[np.ndarray, np.ndarray | None]] = {
+        "com": (com, None),
+        "com_xy": (com[:2], None),
+        "com_z": (com[2:], None),
+        "torso": (np.empty(0), data.oMf[robot.torso_frame].rotation.copy()),
+    }
+    for side in Side:
+        sole, hand = data.oMf[robot.sole_frames[side]], data.oMf[robot.hand_frames[side]]
+        out[f"{side.label}_sole"] = (sole.translation.copy(), sole.rotation.copy())
+        out[f"{side.label}_hand"] = (hand.translation.copy(), None)
+    return out
+
+
+def displacement(robot: Robot, parts: tuple[str, ...], q0: np.ndarray, q1: np.ndarray):
+    """How the tasks differ (m,) from q0 to q1; turns as rotation vectors in the world."""
+    before, after = places(robot, q0), places(robot, q1)
+    rows = []
+    for part in parts:
+        rows.append(after[part][0] - before[part][0])
+        R0, R1 = before[part][1], after[part][1]
+        if R0 is not None and R1 is not None:
+            rows.append(pin.log3(R1 @ R0.T))
+    return np.concatenate(rows)
+
+
+def plan(robot: Robot, gait: Gait) -> TaskTrajectory:
+    return plan_trajectories(plan_motion(robot, gait))
+
+
+def balance(*channels: dict[str, object], dt: float = 0.01) -> BalanceGait:
+    return BalanceGait.model_validate(
+        {
+            "mgs": 1,
+            "motion": "balance",
+            "dt": dt,
+            "balance": {"duration": 2.0, "rest": 0.2, "ease": 0.4, "channels": list(channels)},
+        }
+    )
+
+
+# --- Jacobian ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_jacobian_is_the_central_difference_along_the_manifold(robot: Robot, seed: int):
+    rng, h = np.random.default_rng(seed), 1e-5
+    q = any_configuration(robot, rng)
+    tasks = BodyTasks(robot, PARTS)
+    tasks.update(any_configuration(robot, rng))  # nothing of an earlier update may stay
+    tasks.update(q)
+    for j in range(robot.model.nv):
+        v = np.zeros(robot.model.nv)
+        v[j] = h
+        ahead, behind = (pin.integrate(robot.model, q, s * v) for s in (1.0, -1.0))
+        difference = displacement(robot, PARTS, behind, ahead) / (2.0 * h)
+        # h^2 of the truncation and 1e-16 / h of the rounding leave about 1e-10
+        assert_allclose(tasks.J[:, j], difference, atol=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_derivative_of_the_com_velocity_is_its_central_difference(robot: Robot, seed: int):
+    """J_com(q) v along the manifold, the base's and the joints' speeds as they are."""
+    rng, h = np.random.default_rng(seed), 1e-5
+    q, v = any_configuration(robot, rng), rng.normal(size=robot.model.nv)
+    tasks = BodyTasks(robot, PARTS)
+    tasks.update(q)
+    J = tasks.J.copy()
+    derivative = np.array(tasks.com_velocity_derivative(q, v))
+    data = robot.model.createData()
+    for j in range(robot.model.nv):
+        step = np.zeros(robot.model.nv)
+        step[j] = h
+        ahead, behind = (
+            pin.jacobianCenterOfMass(robot.model, data, pin.integrate(robot.model, q, s * step)) @ v
+            for s in (1.0, -1.0)
+        )
+        assert_allclose(derivative[:, j], (ahead - behind) / (2.0 * h), atol=1e-8)
+    assert np.array_equal(tasks.J, J)  # what was updated stays
+
+
+def test_rows_are_the_parts_in_their_order(robot: Robot):
+    tasks = BodyTasks(robot, PARTS)
+    q = any_configuration(robot, np.random.default_rng(9))
+    tasks.update(q)
+    found = places(robot, q)
+    end = 0
+    for part in PARTS:
+        assert tasks.rows[part] == slice(end, end + SIZES[part])
+        end += SIZES[part]
+        position = found[part][0]
+        assert_allclose(tasks.f[tasks.rows[part]][: len(position)], position, atol=1e-12)
+        assert not tasks.f[tasks.rows[part]][len(position) :].any()  # rotations
+    assert tasks.m == end == len(tasks.J)
+
+
+# --- error ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_error_is_target_minus_actual_however_far_apart(robot: Robot, seed: int):
+    """Positions differ by the error; the error's turn, in the world, brings R onto R_ref."""
+    rng = np.random.default_rng(seed)
+    q, goal = any_configuration(robot, rng), any_configuration(robot, rng)
+    tasks = BodyTasks(robot, PARTS)
+    tasks.update(goal)
+    wanted = places(robot, goal)
+    x = tasks.f.copy()
+    rotations = np.array([R for part in PARTS if (R := wanted[part][1]) is not None])
+    tasks.update(q)
+    error = np.full(tasks.m, np.nan)
+    tasks.error(x, rotations, error)
+    actual = places(robot, q)
+    for part in PARTS:
+        rows, position = tasks.rows[part], actual[part][0]
+        n = len(position)
+        assert_allclose(position + error[rows][:n], wanted[part][0], atol=1e-12)
+        R, R_ref = actual[part][1], wanted[part][1]
+        if R is not None:
+            assert_allclose(pin.exp3(error[rows][n:]) @ R, R_ref, atol=1e-7)  # log near pi
+
+
+def test_a_step_of_J_pinv_times_the_error_comes_closer(robot: Robot):
+    """Signs of error and Jacobian fit each other: Newton's method converges quadratically."""
+    q = robot.standing_q.copy()
+    goal = pin.integrate(
+        robot.model, q, np.random.default_rng(1).normal(scale=0.03, size=robot.model.nv)
+    )
+    parts = ("left_sole", "right_sole", "torso", "com")
+    tasks = BodyTasks(robot, parts)
+    tasks.update(goal)
+    x = tasks.f.copy()
+    wanted = places(robot, goal)
+    rotations = np.array([R for part in parts if (R := wanted[part][1]) is not None])
+    error, sizes = np.empty(tasks.m), []
+    for _ in range(4):
+        tasks.update(q)
+        tasks.error(x, rotations, error)
+        sizes.append(np.abs(error).max())
+        q = pin.integrate(robot.model, q, np.linalg.pinv(tasks.J) @ error)
+    assert sizes[0] > 1e-2
+    assert sizes[1] < 0.2 * sizes[0]
+    assert sizes[-1] < 1e-6
+
+
+# --- targets ----------------------------------------------------------------------------------
+
+
+def assert_steps_lead_along(parts: tuple[str, ...], tasks: TaskTrajectory) -> None:
+    com = generate_com(tasks, None if tasks.com is not None else load_gait("melson/walk_5cm").com)
+    targets = body_targets(parts, tasks, com)
+    assert not targets.steps[0].any()
+    start, turning = 0, 0
+    for part in parts:
+        rows = slice(start, start + SIZES[part])
+        start = rows.stop
+        steps, x = targets.steps[:, rows], targets.x[:, rows]
+        if part == "torso" or part.endswith("sole"):
+            R_ref = targets.rotations[:, turning]
+            turning += 1
+            R = R_ref[0]
+            for k in range(1, len(R_ref)):
+                R = pin.exp3(steps[k, -3:]) @ R
+                assert_allclose(R, R_ref[k], atol=1e-10)
+            assert not x[:, -3:].any()
+            steps, x = steps[:, :-3], x[:, :-3]
+        assert_allclose(x[0] + np.cumsum(steps, axis=0), x, atol=1e-12)
+    assert turning == targets.rotations.shape[1]
+    assert start == targets.x.shape[1]
+
+
+def test_steps_add_up_to_the_references_of_a_turning_walk():
+    robot = load_robot("melson")
+    gait = load_gait("melson/walk_arc", ("walk.n_steps=3",))
+    tasks = plan(robot, gait)
+    assert np.ptp(tasks.soles[:, :, 6]) > 1e-3  # the soles do turn
+    assert_steps_lead_along(("left_sole", "com_z", "right_sole", "torso", "com"), tasks)
+
+
+def test_steps_add_up_to_the_references_of_a_balance_motion():
+    tasks = plan(
+        load_robot("melson"),
+        balance(
+            {"task": "torso_yaw", "wave": "sine", "amplitude": 0.5, "frequency": 1.0},
+            {"task": "torso_pitch", "wave": "constant", "value": 0.3},
+            {"task": "com_z", "wave": "sine", "amplitude": 0.02, "frequency": 2.0},
+            {"task": "left_hand_x", "wave": "constant", "value": 0.02},
+        ),
+    )
+    assert_steps_lead_along(("com", "torso", "left_sole", "right_sole", "left_hand"), tasks)
+
+
+def test_targets_are_those_of_the_stages_before():
+    """References come as positions of the CoM, soles, and hands in the world."""
+    robot = load_robot("melson")
+    gait = load_gait("melson/walk_5cm")
+    tasks = plan(robot, gait)
+    com = generate_com(tasks, gait.com)
+    targets = body_targets(("right_hand", "left_sole", "com_xy", "com_z", "torso"), tasks, com)
+    for k in (0, 300, 600, len(targets.x) - 1):
+        x = targets.x[k]
+        assert_allclose(x[:3], tasks.hands[k, Side.RIGHT] + com.position[k], atol=1e-15)
+        assert_allclose(x[3:6], tasks.soles[k, Side.LEFT, :3], atol=1e-15)
+        assert_allclose(x[9:12], com.position[k], atol=1e-15)
+        for R, quat in zip(
+            targets.rotations[k], (tasks.soles[k, Side.LEFT, 3:], tasks.torso[k]), strict=True
+        ):
+            assert_allclose(R, pin.Quaternion(quat).matrix(), atol=1e-12)
+
+
+# --- parts ------------------------------------------------------------------------------------
+
+
+def test_hands_that_nothing_is_asked_of_are_left_out():
+    robot = load_robot("melson")
+    tasks = plan(robot, balance({"task": "left_hand_z", "wave": "constant", "value": 0.02}))
+    assert tasks.hands_asked == (True, False)
+    assert parts_of(["hands", "com"], tasks) == ("left_hand", "com")
+    tasks = plan(robot, balance({"task": "com_x", "wave": "constant", "value": 0.01}))
+    assert parts_of(["soles", "torso", "hands"], tasks) == ("left_sole", "right_sole", "torso")
+    walking = plan(robot, load_gait("melson/walk_5cm"))
+    assert parts_of(["hands", "soles"], walking) == (
+        "left_hand",
+        "right_hand",
+        "left_sole",
+        "right_sole",
+    )
