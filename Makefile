@@ -35,9 +35,9 @@ gallery: $(VENV)/.mgs
 
 docs-figures: $(VENV)/.mgs
 	$(BIN)/python -c "from pathlib import Path; from mgs.gait import load_gait; \
-	from mgs.pipeline import generate; from mgs.report import write_picture; \
+	from mgs.pipeline import run_stages; from mgs.report import write_picture; \
 	from mgs.robot import load_robot; \
-	walk = generate(load_robot('melson'), load_gait('melson/walk_practical')).motion; \
+	walk = run_stages(load_robot('melson'), load_gait('melson/walk_practical')).motion; \
 	write_picture(walk, Path('docs/walk.png'), force=True)"
 
 $(VENV)/.mgs: pyproject.toml

@@ -17,7 +17,7 @@ import numpy as np
 
 from mgs.gait import load_gait
 from mgs.judge.motion_checks import zmp_margins
-from mgs.pipeline import Stages, generate
+from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, load_robot
 
 GAITS = ("melson/walk_practical", "coman/walk")
@@ -44,7 +44,7 @@ def main() -> None:
         for label, settings in generators(robot).items():
             for switch, passes in FILTER.items():
                 wanted = load_gait(name, (*settings, f"com.passes={passes}"))
-                runs = [generate(robot, wanted, name) for _ in range(arguments.repeats)]
+                runs = [run_stages(robot, wanted, name) for _ in range(arguments.repeats)]
                 print(f"| {name} | {label} | {switch} | {figures(runs)} |", flush=True)
 
 

@@ -13,7 +13,7 @@ import argparse
 
 from mgs.gait import list_gaits, load_gait
 from mgs.judge.verdict import replay_checks
-from mgs.pipeline.sequence import generate_motion
+from mgs.pipeline import generate
 from mgs.robot import load_robot
 from mgs.sim import SERVOS, Replay, agreement, replay
 
@@ -27,7 +27,7 @@ def main() -> None:
     print("| --- | --- | --- | --- | ---: | ---: | ---: | ---: |")
     for name in names:
         gait = load_gait(name)
-        motion = generate_motion(load_robot(gait.robot or "melson"), gait, name).motion
+        motion = generate(load_robot(gait.robot or "melson"), gait, name).motion
         for servo in SERVOS:
             pybullet = replay(motion, "pybullet", servo=servo)
             mujoco = replay(motion, "mujoco", servo=servo)

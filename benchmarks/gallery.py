@@ -17,7 +17,7 @@ from mgs.gait import list_gaits, load_gait
 from mgs.judge.motion_checks import Check, check_motion, zmp_margins
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
-from mgs.pipeline.sequence import generate_motion
+from mgs.pipeline import generate
 from mgs.report import write_picture
 from mgs.robot import is_modelled, load_robot
 from mgs.sim import SERVOS, available_engines, replay
@@ -82,7 +82,7 @@ def entry(name: str) -> Entry:
     """Make, judge and draw one gait."""
     gait = load_gait(name)
     assert gait.robot is not None
-    motion = generate_motion(load_robot(gait.robot), gait, name).motion
+    motion = generate(load_robot(gait.robot), gait, name).motion
     checks = {check.name: check for check in check_motion(motion)}
     failed = [check.name for check in checks.values() if not check.ok]
     physics = []

@@ -23,7 +23,7 @@ from mgs.core.contact import Side
 from mgs.gait import load_gait
 from mgs.ik_solver import clik, solve_ik
 from mgs.ik_solver.tree.tasks import WORLD_ALIGNED, TreeTasks
-from mgs.pipeline import Stages, generate
+from mgs.pipeline import Stages, run_stages
 from mgs.robot import load_robot
 
 
@@ -57,7 +57,7 @@ class _Runs:
     """Measurements of one variant of a gait, to which every round adds."""
 
     def __init__(self, gait_name: str, assignments: tuple[str, ...]) -> None:
-        self.stages = generate(load_robot("melson"), load_gait(gait_name, assignments))
+        self.stages = run_stages(load_robot("melson"), load_gait(gait_name, assignments))
         self.at_work = _gravity_at_work(self.stages)
         self.means: list[float] = []
         self.steps: list[Array] = []

@@ -16,7 +16,7 @@ from spread import spread
 from mgs.core.shipped import shipped_folder
 from mgs.gait import load_gait
 from mgs.motion import Motion
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.robot import load_robot
 
 LINKS = ("left_foot", "right_foot", "torso")
@@ -32,7 +32,7 @@ def compare(python: str, gait: str, rounds: int) -> dict[str, Any]:
         gait: a gait of Melson's.
         rounds: how often both take their turn.
     """
-    stages = generate(load_robot("melson"), load_gait(gait, ("ik.gamma_grav=0",)))
+    stages = run_stages(load_robot("melson"), load_gait(gait, ("ik.gamma_grav=0",)))
     ours: list[list[float]] = []  # by round
     theirs: dict[str, list[list[float]]] = {}
     errors: list[tuple[float, float]] = []

@@ -33,7 +33,7 @@ from mgs.experiments.faraji.runs import PAPER, STRETCHED
 from mgs.gait import load_gait
 from mgs.ik_solver import hard_soft
 from mgs.ik_solver.qp import BoundedQp
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.robot import load_robot
 
 ROBOT, GAIT = "coman_legs", "coman_legs/squat_stretched"
@@ -93,7 +93,7 @@ def record() -> list[Problem]:
     problems: list[Problem] = []
     kind = type("Recording", (RecordingQp,), {"problems": problems})
     with mock.patch.object(hard_soft, "BoundedQp", kind):
-        generate(load_robot(ROBOT), load_gait(GAIT, ASSIGNMENTS))
+        run_stages(load_robot(ROBOT), load_gait(GAIT, ASSIGNMENTS))
     return problems
 
 

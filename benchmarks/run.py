@@ -27,7 +27,7 @@ from tables import report
 
 from mgs.gait import load_gait
 from mgs.motion_file import read_motion, write_motion
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.robot import load_robot
 
 WALK, LONG_WALK = "melson/walk_5cm", "melson/walk_backward"
@@ -77,7 +77,7 @@ def stage_times(repeats: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         for i in range(repeats + 1):
             path = Path(folder) / f"{i}.mcap"
-            stages = generate(robot, gait)
+            stages = run_stages(robot, gait)
             start = time.perf_counter()
             write_motion(stages.motion, path)
             middle = time.perf_counter()

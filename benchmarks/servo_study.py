@@ -20,7 +20,7 @@ from mgs.core.contact import Support
 from mgs.gait import list_gaits, load_gait
 from mgs.motion import Motion
 from mgs.motion.dynamics import analyse
-from mgs.pipeline.sequence import generate_motion
+from mgs.pipeline import generate
 from mgs.robot import build_robot, load_robot, servos_of
 from mgs.sim import DEFAULTS, EngineName, available_engines, replay
 
@@ -94,7 +94,7 @@ def both() -> list[str]:
 
 def walk(name: str) -> Motion:
     """A shipped walk of Melson's."""
-    return generate_motion(load_robot("melson"), load_gait(name), name).motion
+    return generate(load_robot("melson"), load_gait(name), name).motion
 
 
 def study_stiffness() -> None:

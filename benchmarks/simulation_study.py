@@ -18,7 +18,7 @@ import numpy as np
 from mgs.core.geometry import rotation_angles
 from mgs.gait import load_gait
 from mgs.motion import Motion
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.robot import Robot, load_robot
 from mgs.sim import DEFAULTS, EngineName, Replay, Settings, available_engines, replay
 
@@ -84,7 +84,7 @@ def walk_cell(walk: Replay) -> str:
 def main() -> None:
     """Print one table per engine."""
     robot = load_robot("melson")
-    walks = [generate(robot, load_gait(name)).motion for name in WALKS]
+    walks = [run_stages(robot, load_gait(name)).motion for name in WALKS]
     for engine in available_engines():
         if sys.argv[1:] and engine not in sys.argv[1:]:
             continue

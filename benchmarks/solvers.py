@@ -22,7 +22,7 @@ from mgs.ik_solver import SOLVERS
 from mgs.judge.motion_checks import check_motion, tracking_errors
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.robot import load_robot
 from mgs.sim import available_engines, replay
 
@@ -48,9 +48,9 @@ def measure(gait_name: str, solver: str, physics: bool) -> dict[str, Any]:
     gait = load_gait(gait_name, (f"ik.solver={solver}",))
     assert gait.robot is not None
     robot = load_robot(gait.robot)
-    motion = generate(robot, gait, gait_name).motion
+    motion = run_stages(robot, gait, gait_name).motion
     once = load_gait(gait_name, (f"ik.solver={solver}", "com.passes=0"))
-    runs = [generate(robot, once, gait_name) for _ in range(3)]
+    runs = [run_stages(robot, once, gait_name) for _ in range(3)]
     checks = check_motion(motion)
     if physics:
         checks += [

@@ -27,7 +27,7 @@ from mgs.core.errors import MgsError
 from mgs.gait import Gait, load_gait, parse_gait
 from mgs.ik_solver import solve_ik
 from mgs.ik_solver.whole_motion import Problem, TrajectoryIk
-from mgs.pipeline import Stages, generate
+from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, load_robot
 
 SQUAT = """
@@ -148,7 +148,7 @@ def table(robot: Robot, gait: str) -> list[Row]:
     runs: dict[str, Stages] = {}
     for name, settings in solvers().items():
         try:
-            runs[name] = generate(robot, gait_with(gait, *settings))
+            runs[name] = run_stages(robot, gait_with(gait, *settings))
         except MgsError as error:
             sys.stderr.write(f"{name}: {error}\n")
     costs = {name: cost_of(robot, stages) for name, stages in runs.items()}

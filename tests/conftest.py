@@ -7,8 +7,7 @@ from hypothesis import settings
 
 from mgs.gait import list_gaits, load_gait
 from mgs.motion import Motion
-from mgs.pipeline import Stages, generate
-from mgs.pipeline.sequence import generate_motion
+from mgs.pipeline import Stages, generate, run_stages
 from mgs.robot import Robot, load_robot
 from tests.support.crooked import crooked_robot
 from tests.support.libraries import address, made, plan, sweep
@@ -34,7 +33,7 @@ def any_robot(request: pytest.FixtureRequest) -> Robot:
 
 @pytest.fixture(scope="session")
 def walk_5cm(melson: Robot) -> Stages:
-    return generate(melson, load_gait("melson/walk_5cm"), "melson/walk_5cm")
+    return run_stages(melson, load_gait("melson/walk_5cm"), "melson/walk_5cm")
 
 
 MOTIONS = {name: load_gait(name).motion for name in list_gaits()}
@@ -51,7 +50,7 @@ def shipped_sequence(request: pytest.FixtureRequest) -> Motion:
     """The motion of every shipped sequence."""
     gait = load_gait(request.param)
     assert gait.robot is not None
-    return generate_motion(load_robot(gait.robot), gait, request.param).motion
+    return generate(load_robot(gait.robot), gait, request.param).motion
 
 
 @pytest.fixture(scope="session", params=[name for name in MOTIONS if MOTIONS[name] == "walk"])

@@ -59,7 +59,7 @@ def generate(
         raise ConfigError(gait, "robot: missing; name one in the file or with --robot")
 
     from mgs.motion_file import write_motion
-    from mgs.pipeline import generate_motion
+    from mgs.pipeline import generate
     from mgs.robot import load_robot
 
     robot = load_robot(parameters.robot)
@@ -71,7 +71,7 @@ def generate(
 
     def work(bar: ProgressBar) -> tuple[Motion, dict[str, float]]:
         try:
-            made = generate_motion(robot, parameters, name, progress=bar)
+            made = generate(robot, parameters, name, progress=bar)
         except ConfigError as error:  # a stage knows the key, not the file that it came from
             problems = [f"{error.source}: {problem}" for problem in error.problems]
             raise ConfigError(gait, problems) from error

@@ -28,7 +28,7 @@ from mgs.judge.verdict import judge
 from mgs.library.manifest import LOST, Value
 from mgs.motion import Motion
 from mgs.motion_file import motion_bytes
-from mgs.pipeline.sequence import generate_motion
+from mgs.pipeline import generate
 from mgs.robot import Robot, build_robot
 from mgs.sim import EngineName, Replay, ServoName, replay
 
@@ -81,7 +81,7 @@ def _made(recipe: Recipe, assignments: tuple[str, ...]) -> Outcome:
     if gait.robot not in recipe.robots:
         raise ConfigError(recipe.base, f"robot {gait.robot!r} is none of the sweep's")
     robot = _robot(*recipe.robots[gait.robot], gait.robot)
-    motion = generate_motion(robot, gait, recipe.name).motion
+    motion = generate(robot, gait, recipe.name).motion
     content = motion_bytes(motion)
     checks = check_motion(motion)
     replays, diverged = _replays(recipe, motion)

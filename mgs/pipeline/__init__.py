@@ -1,18 +1,21 @@
 """The four stages in a row: from a gait to a motion, without any file."""
 
+from mgs.pipeline.assemble import assemble
+from mgs.pipeline.filter_report import FilterReport, ZmpError
+from mgs.pipeline.generate import Generated, generate
 from mgs.pipeline.join import Displacement, displacement, join, moved
-from mgs.pipeline.sequence import Made, generate_motion, labelled_parts
-from mgs.pipeline.stages import Stages, assemble, generate
+from mgs.pipeline.stages import Stages, run_stages
 
 __all__ = [
     "Displacement",
-    "Made",
+    "FilterReport",
+    "Generated",
     "Stages",
+    "ZmpError",
     "assemble",
     "displacement",
     "generate",
-    "generate_motion",
     "join",
-    "labelled_parts",
     "moved",
+    "run_stages",
 ]

@@ -20,7 +20,8 @@ from mgs.core.geometry import quintic, rotation_angles
 from mgs.core.scene import EMPTY
 from mgs.ik_solver.tree.transition import bridge_postures
 from mgs.motion import Motion
-from mgs.pipeline.stages import Stages, assemble
+from mgs.pipeline.assemble import assemble
+from mgs.pipeline.stages import Stages
 from mgs.trajectory_planner import TaskTrajectory
 
 SOLE_TOLERANCE, COM_TOLERANCE = 2e-4, 4e-4  # [m]

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.core.errors import ConfigError, InfeasibleGaitError, SeamError
 from mgs.core.progress import Progress
-from mgs.gait import MAX_SAMPLES, Gait, SequenceGait, SingleGait
+from mgs.gait import MAX_SAMPLES, SequenceGait, SingleGait
 from mgs.motion import Motion
 from mgs.pipeline.join import displacement, join, last_sample, moved
 from mgs.pipeline.seam import (
@@ -24,50 +24,29 @@ from mgs.pipeline.seam import (
     refuse_shifted_soles,
     transition,
 )
-from mgs.pipeline.stages import Stages, generate
+from mgs.pipeline.stages import Stages, run_stages
 from mgs.robot import Robot
 
 PER_PART = 1000  # steps of progress
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Made:
-    """A motion and the wall time of each stage [s]."""
-
-    motion: Motion
-    seconds: dict[str, float]
-
-
-def generate_motion(
-    robot: Robot, gait: Gait, name: str = "gait", progress: Progress | None = None
-) -> Made:
-    """The motion of any gait: of the four stages, or of those of each part of a sequence.
-
-    Args:
-        robot: the robot.
-        gait: what it shall do.
-        name: name of the gait, for the motion file.
-        progress: called with work done and work in all.
+def generate_sequence(
+    robot: Robot, gait: SequenceGait, name: str = "gait", progress: Progress | None = None
+) -> tuple[Motion, dict[str, float]]:
+    """The motion of a sequence, and the wall time of each stage over all parts [s].
 
     Raises:
-        ConfigError: values of the gait that do not fit each other or this robot.
-        InfeasibleGaitError: the robot cannot do it; of a sequence it names the part.
+        ConfigError: values of a part that do not fit each other or this robot.
+        InfeasibleGaitError: the robot cannot do a part; the message names it.
         SeamError: a part does not begin as the one before it ends.
     """
-    if not isinstance(gait, SequenceGait):
-        stages = generate(robot, gait, name, progress)
-        return Made(stages.motion, stages.seconds)
-    return _generate_parts(robot, gait, name, progress)
-
-
-def _generate_parts(robot: Robot, gait: SequenceGait, name: str, progress: Progress | None) -> Made:
     parts = list(labelled_parts(gait))
     motions: list[Motion] = []
     seconds: dict[str, float] = {}
     for i, (label, part) in enumerate(parts):
         start = motions[-1].q[-1, FLOATING_BASE_NQ:] if motions else None
         try:
-            stages = generate(robot, part, label, _share(progress, i, len(parts)), start)
+            stages = run_stages(robot, part, label, _share(progress, i, len(parts)), start)
         except ConfigError as error:
             problems = [f"{error.source}: {problem}" for problem in error.problems]
             raise ConfigError(label, problems) from error
@@ -81,7 +60,7 @@ def _generate_parts(robot: Robot, gait: SequenceGait, name: str, progress: Progr
             motions.append(stages.motion)
         if (n := sum(m.n_samples for m in motions)) > MAX_SAMPLES:
             raise ConfigError(label, f"ends at sample {n} of the sequence; {MAX_SAMPLES} allowed")
-    return Made(dataclasses.replace(join(motions), gait=gait, gait_name=name), seconds)
+    return dataclasses.replace(join(motions), gait=gait, gait_name=name), seconds
 
 
 def _continued(before: Motion, stages: Stages, label: str, duration: float) -> list[Motion]:

@@ -22,7 +22,7 @@ from mgs.gait import ComParameters, IkParameters, WalkGait, WalkParameters
 from mgs.judge.motion_checks import Check, check_motion
 from mgs.judge.verdict import replay_checks
 from mgs.motion_planner.walk import MIN_PHASE_SAMPLES
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.robot import Robot, leg_length
 from mgs.sim import EngineName, ServoName, replay
 
@@ -244,7 +244,7 @@ def probe(robot: Robot, gait: WalkGait, engines: tuple[EngineName, ...], servo: 
         return Probe(step_time, step_length, tuple(failed), message, margin, tilt)
 
     try:
-        motion = generate(robot, gait).motion
+        motion = run_stages(robot, gait).motion
     except InfeasibleGaitError as error:
         return found([type(error).__name__], str(error), None, None)
     checks = check_motion(motion)

@@ -28,7 +28,7 @@ from mgs.ik_solver import solve_ik
 from mgs.judge.motion_checks import check_motion
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
-from mgs.pipeline import Stages, assemble, generate
+from mgs.pipeline import Stages, assemble, run_stages
 from mgs.sim import EngineName, Replay, ServoName, replay
 from mgs.sim.measure import Touchdowns, touchdowns
 
@@ -125,7 +125,7 @@ def refine(
         raise ConfigError(
             motion.gait_name, "a sequence is not refined as a whole; refine its parts one by one"
         )
-    stages = generate(motion.robot, motion.gait, motion.gait_name)
+    stages = run_stages(motion.robot, motion.gait, motion.gait_name)
     com = _shifted(stages.com, motion.com_ref - stages.com.position, motion.dt)
     done, most = 0, (1 + attempts) * len(engines)
 

@@ -18,7 +18,7 @@ from mgs.core.errors import ConfigError, InfeasibleGaitError, MgsError
 from mgs.core.geometry import polygon_margins
 from mgs.gait import ComParameters, load_gait
 from mgs.motion_planner import plan_motion
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.robot import Robot, load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 from tests.support.strategies import numbers, walk_gait
@@ -242,7 +242,7 @@ def test_the_dynamic_filter_brings_the_whole_robots_zmp_to_that_of_the_qp(melson
     """Not to the reference: where the QP leaves it, it does so on purpose."""
     sets = ("com.generator=qp", "com.margin=0.02", "com.weight_jerk=1e-5")
     gait = load_gait("melson/walk_practical", sets)
-    stages = generate(melson, gait)
+    stages = run_stages(melson, gait)
     planned = bounded(melson, stages.tasks, margin=0.02, weight_jerk=1e-5).zmp
     error = np.linalg.norm(stages.motion.zmp - planned, axis=1)
     report = stages.motion.solver["zmp_error"]

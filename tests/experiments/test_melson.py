@@ -18,7 +18,7 @@ from mgs.experiments.melson.gravity import gravity_cost, gravity_torques
 from mgs.experiments.melson.runs import Study, drift_series, is_same_task, solve, tracking_errors
 from mgs.gait import load_gait
 from mgs.motion.dynamics import place_on_soles
-from mgs.pipeline import Stages, generate
+from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot
 
 Array = NDArray[np.float64]
@@ -148,7 +148,7 @@ def test_runs_meet_one_and_the_same_task(study: Study, claims: dict[str, Claim])
     for stages in (*study.scenarios.values(), *study.drift.values()):
         position, rotation = tracking_errors(stages)
         assert position < 1e-4 and rotation < np.radians(0.01)
-    other = generate(study.robot, load_gait("melson/walk_5cm", ("walk.step_length=0.04",)))
+    other = run_stages(study.robot, load_gait("melson/walk_5cm", ("walk.step_length=0.04",)))
     assert not is_same_task(study.scenarios["S1"], other)
 
 

@@ -15,7 +15,7 @@ from mgs.ik_solver import SOLVERS, JointTrajectory, solve_ik
 from mgs.ik_solver.clik import ClosedLoopIk, gravity_gain_profile, rest_profile
 from mgs.ik_solver.tree.tasks import TreeTasks
 from mgs.motion_planner import plan_motion
-from mgs.pipeline import Stages, generate
+from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, build_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 from tests.support.strategies import balance_gait, constant, figure_eight, sine, walk_gait
@@ -139,19 +139,19 @@ def test_the_pose_of_the_first_sample_meets_its_tasks_before_any_motion(walk_5cm
     "gains", [{}, {"gamma_joint": 0.0}, {"gamma_joint": 5.0}, {"gamma_grav": 1.6}]
 )
 def test_the_secondary_task_does_not_disturb_the_tasks(melson: Robot, gains: dict[str, float]):
-    stages = generate(melson, walk_gait(**SHORT, ik=gains))
+    stages = run_stages(melson, walk_gait(**SHORT, ik=gains))
     assert np.abs(stages.motion.com - stages.motion.com_ref).max() < 2e-4
     assert np.abs(stages.motion.soles - stages.motion.soles_ref).max() < 1e-4
 
 
 def test_without_newton_updates_the_feedback_alone_keeps_errors_from_piling_up(melson: Robot):
     """The paper's method, one linear step a sample, leaves what the step's curvature makes."""
-    once = generate(melson, walk_gait(**SHORT, ik={"iterations": 0}))
+    once = run_stages(melson, walk_gait(**SHORT, ik={"iterations": 0}))
     assert once.joints.report["newton_updates"] == 0
     error = np.linalg.norm(once.motion.com - once.motion.com_ref, axis=1)
     assert error.max() < 1e-4
     assert error[-1] < 1e-6  # at rest the feedback has caught up
-    more = generate(melson, walk_gait(**SHORT, ik={"iterations": 2}))
+    more = run_stages(melson, walk_gait(**SHORT, ik={"iterations": 2}))
     assert more.joints.report["newton_updates"] == 2 * len(more.joints.angles)
     assert np.abs(more.motion.com - more.motion.com_ref).max() < 1e-9
 
@@ -171,7 +171,7 @@ def reached(robot: Robot, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nda
 
 
 def test_a_sway_with_free_hands_moves_the_com_over_resting_soles(melson: Robot):
-    stages = generate(melson, balance_gait(sine("com_y", 0.02)))
+    stages = run_stages(melson, balance_gait(sine("com_y", 0.02)))
     com, hands, soles = reached(melson, stages.motion.q)
     times = stages.motion.times
     middle = (times >= 1.5) & (times <= 2.5)
@@ -198,7 +198,7 @@ def test_free_hands_leave_the_step_to_the_joints_that_need_to_move(melson: Robot
 
 def test_one_hand_draws_an_eight_while_the_other_is_free(melson: Robot):
     gait = balance_gait(figure_eight("right_hand", "yz", 0.03, 0.015), ik={"gamma_joint": 5.0})
-    stages = generate(melson, gait)
+    stages = run_stages(melson, gait)
     com, hands, _ = reached(melson, stages.motion.q)
     assert stages.tasks.hands_asked == (False, True)
     times = stages.motion.times
@@ -215,7 +215,7 @@ def test_one_hand_draws_an_eight_while_the_other_is_free(melson: Robot):
 @pytest.mark.parametrize("task", ["torso_roll", "torso_pitch", "torso_yaw"])
 def test_a_gait_that_turns_the_torso_is_refused_with_the_solvers_that_can(melson: Robot, task: str):
     with pytest.raises(ConfigError, match=r"ik\.solver: clik leaves the torso free") as caught:
-        generate(melson, balance_gait(constant(task, 0.01)))
+        run_stages(melson, balance_gait(constant(task, 0.01)))
     assert caught.value.exit_code == 2
     assert "prioritized" in str(caught.value)
 
@@ -227,7 +227,7 @@ def test_a_balance_motion_out_of_reach_is_refused_with_a_remedy_of_its_own(
     melson: Robot, channel: dict[str, object], task: str
 ):
     with pytest.raises(IkError) as caught:
-        generate(melson, balance_gait(channel))
+        run_stages(melson, balance_gait(channel))
     assert task in caught.value.task
     assert 0.5 < caught.value.t < 1.5  # while it fades in
     assert "smaller channels" in str(caught.value)
@@ -297,7 +297,7 @@ def test_the_null_space_motion_changes_tasks_only_to_second_order(melson: Robot)
     """Twice the gain may cost four times the error, never twice."""
     errors = []
     for gamma in (2.0, 4.0):
-        stages = generate(melson, walk_gait(**SHORT, ik={"gamma_joint": gamma, "iterations": 0}))
+        stages = run_stages(melson, walk_gait(**SHORT, ik={"gamma_joint": gamma, "iterations": 0}))
         error = np.abs(stages.motion.com - stages.motion.com_ref)[30:150].max()  # at rest
         errors.append(error)
     assert errors[0] < 1e-7
@@ -509,7 +509,7 @@ def test_progress_is_told_up_to_the_last_sample(melson: Robot):
 @pytest.mark.parametrize("name", SOLVERS)
 def test_every_solver_meets_the_tasks(melson: Robot, name: str):
     gait = walk_gait(**SHORT, ik={"solver": name})
-    stages = generate(melson, gait)
+    stages = run_stages(melson, gait)
     assert np.abs(stages.motion.com - stages.motion.com_ref).max() < 2e-4
     assert np.abs(stages.motion.soles - stages.motion.soles_ref).max() < 1e-4
 

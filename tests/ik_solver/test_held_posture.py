@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.core.contact import Side
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.robot import load_robot
 from tests.support.strategies import keyframes_gait, pick_up_gait
 
@@ -24,7 +24,7 @@ KEYS = (
 @pytest.mark.parametrize("solver", ["ik1", "ik2", "ik3", "ik4", "ik5"])
 def test_held_joints_are_where_the_keys_want_them_and_no_task_suffers(solver: str):
     gait = keyframes_gait(*KEYS, rest=0.3, ik={"solver": solver})
-    stages = generate(MELSON, gait)
+    stages = run_stages(MELSON, gait)
     motion, tasks = stages.motion, stages.tasks
     joints = motion.q[:, FLOATING_BASE_NQ:]
     # ik1 and ik3 take one linearised step a sample and lag a little
@@ -42,7 +42,7 @@ def test_held_joints_are_where_the_keys_want_them_and_no_task_suffers(solver: st
 
 def test_a_led_hand_takes_its_arm_along_and_the_other_arm_stays():
     key = {"time": 1.3, "right_hand": [0.03, 0.0, 0.05]}
-    stages = generate(MELSON, keyframes_gait(key, rest=0.3))
+    stages = run_stages(MELSON, keyframes_gait(key, rest=0.3))
     motion, names = stages.motion, MELSON.joint_names
     moved = motion.hands[-1, Side.RIGHT, :3] - motion.hands[0, Side.RIGHT, :3]
     assert_allclose(moved, [0.03, 0.0, 0.05], atol=1e-6)
@@ -54,7 +54,7 @@ def test_a_led_hand_takes_its_arm_along_and_the_other_arm_stays():
 
 def test_a_mirrored_pick_up_moves_the_mirrored_joints():
     right, left = (
-        generate(MELSON, pick_up_gait(hand=hand, object=[0.1, y, 0.15])).motion.q[:, 7:]
+        run_stages(MELSON, pick_up_gait(hand=hand, object=[0.1, y, 0.15])).motion.q[:, 7:]
         for hand, y in (("right", -0.1), ("left", 0.1))
     )
     names, other = MELSON.joint_names, {"left": "right", "right": "left", "waist": "waist"}

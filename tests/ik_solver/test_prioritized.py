@@ -27,7 +27,7 @@ from mgs.ik_solver.prioritized import PrioritizedIk, PrioritizedRun
 from mgs.ik_solver.residuals import measure_tasks
 from mgs.judge.motion_checks import check_motion
 from mgs.motion_planner import plan_motion
-from mgs.pipeline import Stages, generate
+from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 
@@ -378,7 +378,7 @@ def test_motions_pass_every_static_check(
 ) -> None:
     shorter = ("balance.duration=6.0",) if gait_name in BALANCES else ()
     gait = load_gait(gait_name, (f"ik.solver={solver}", *shorter))
-    stages = generate(robots[gait.robot or ""], gait)
+    stages = run_stages(robots[gait.robot or ""], gait)
     assert [check for check in check_motion(stages.motion) if not check.ok] == []
     json.dumps(stages.joints.report, allow_nan=False)
 

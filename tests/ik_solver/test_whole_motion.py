@@ -14,7 +14,7 @@ from mgs.ik_solver.banded import band_matrix, coupling, second_differences, solv
 from mgs.ik_solver.clik import ClosedLoopIk
 from mgs.ik_solver.limit_barrier import DELTA, limit_barrier
 from mgs.ik_solver.whole_motion import PINNED, Point, Problem, TrajectoryIk, minimise
-from mgs.pipeline import Stages, generate
+from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, load_robot
 from tests.support.strategies import balance_gait, constant, sine, walk_gait
 
@@ -43,12 +43,12 @@ def coman() -> Robot:
 
 @pytest.fixture(scope="module")
 def closed_loop(melson: Robot) -> Stages:
-    return generate(melson, walk("clik"))
+    return run_stages(melson, walk("clik"))
 
 
 @pytest.fixture(scope="module")
 def whole(melson: Robot) -> Stages:
-    return generate(melson, walk())
+    return run_stages(melson, walk())
 
 
 def problem_of(robot: Robot, stages: Stages, ik: IkParameters) -> Problem:
@@ -114,14 +114,14 @@ def test_the_cost_is_that_of_inverse_dynamics(melson: Robot, whole: Stages):
 @pytest.mark.parametrize("sharing", ["off", "optimal"])
 def test_other_ways_to_treat_double_support_are_lower_too(melson: Robot, sharing: str):
     ik = {"solver": "trajectory", **GAINS, "double_support": sharing}
-    joints = generate(melson, walk_gait(**SHORT, ik=ik)).joints
+    joints = run_stages(melson, walk_gait(**SHORT, ik=ik)).joints
     history = joints.report["objective"]
     assert history[-1] < 0.97 * history[0]
 
 
 def test_a_squat_of_a_robot_with_hands_free_gets_cheaper(coman: Robot):
     """Twenty directions a sample; both soles stand throughout."""
-    before, after = (generate(coman, squat(solver)) for solver in ("clik", "trajectory"))
+    before, after = (run_stages(coman, squat(solver)) for solver in ("clik", "trajectory"))
     costs = [objective_of(coman, s, squat().ik)["cost"] for s in (before, after)]
     assert costs[1] < 0.97 * costs[0]
     assert np.abs(after.motion.com - after.motion.com_ref).max() < 1e-4
@@ -142,14 +142,14 @@ def test_tasks_are_met_at_every_sample(whole: Stages):
 
 @pytest.mark.parametrize("start", ["free", "posture"])
 def test_it_starts_and_ends_at_rest(melson: Robot, start: str):
-    stages = generate(melson, walk(start=start))
+    stages = run_stages(melson, walk(start=start))
     q, dt = stages.joints.angles, stages.tasks.dt
     for speed in (q[1] - q[0], q[-1] - q[-2]):
         assert np.abs(speed).max() / dt < 5e-3  # [rad/s]
 
 
 def test_on_request_it_starts_where_the_closed_loop_ik_does(melson: Robot, closed_loop: Stages):
-    q = generate(melson, walk(start="posture")).joints
+    q = run_stages(melson, walk(start="posture")).joints
     assert np.array_equal(q.angles[:PINNED], closed_loop.joints.angles[:PINNED])
     history = q.report["objective"]
     assert history[-1] < 0.97 * history[0]
@@ -157,7 +157,7 @@ def test_on_request_it_starts_where_the_closed_loop_ik_does(melson: Robot, close
 
 def test_a_motion_that_may_choose_ends_in_the_posture_that_it_starts_in(melson: Robot):
     """Soles abreast at both ends: the next motion follows on."""
-    q = generate(melson, walk_gait(n_steps=2, ik={"solver": "trajectory", **GAINS})).joints.angles
+    q = run_stages(melson, walk_gait(n_steps=2, ik={"solver": "trajectory", **GAINS})).joints.angles
     assert np.abs(q[-1] - q[0]).max() < 0.01  # [rad]
 
 
@@ -173,8 +173,8 @@ def test_joint_limits_hold_where_the_torques_would_leave_them(melson: Robot):
     """Without the barrier the least torque turns a hip beyond its range."""
     free = walk(weight_limit=0.0, weight_joint=0.0, iterations=6)
     with pytest.raises(JointLimitError):
-        generate(melson, free)
-    held = generate(melson, walk(weight_joint=0.0, iterations=6)).joints.angles
+        run_stages(melson, free)
+    held = run_stages(melson, walk(weight_joint=0.0, iterations=6)).joints.angles
     assert np.all((held > melson.lower) & (held < melson.upper))
 
 
@@ -182,14 +182,14 @@ def test_a_joint_that_the_tasks_push_beyond_its_limit_is_refused_or_recorded(mel
     raised = SHORT | {"step_height": 0.2}  # too high for a knee that bends by 130 deg
     ik = {"solver": "trajectory", "gamma_joint": 0.0, "trajectory": {"iterations": 2}}
     with pytest.raises(JointLimitError):
-        generate(melson, walk_gait(**raised, ik=ik))
-    angles = generate(melson, walk_gait(**raised, ik=ik | {"on_limit": "record"})).joints.angles
+        run_stages(melson, walk_gait(**raised, ik=ik))
+    angles = run_stages(melson, walk_gait(**raised, ik=ik | {"on_limit": "record"})).joints.angles
     assert np.any((angles < melson.lower) | (angles > melson.upper))
 
 
 def test_a_gait_that_turns_the_torso_is_refused(melson: Robot):
     with pytest.raises(ConfigError, match=r"ik\.solver: trajectory leaves the torso free"):
-        generate(melson, balance_gait(constant("torso_yaw", 0.01), ik={"solver": "trajectory"}))
+        run_stages(melson, balance_gait(constant("torso_yaw", 0.01), ik={"solver": "trajectory"}))
 
 
 # --- the minimum ------------------------------------------------------------------------------
@@ -303,7 +303,7 @@ def test_the_barrier_is_smooth_where_it_is_continued():
 
 
 def test_the_solution_is_the_same_bit_for_bit_twice(melson: Robot, whole: Stages):
-    again = generate(melson, walk()).joints
+    again = run_stages(melson, walk()).joints
     assert again.angles.tobytes() == whole.joints.angles.tobytes()
     assert again.report == whole.joints.report
 
@@ -336,5 +336,5 @@ def test_the_tuning_of_a_gait_file_reaches_the_solver():
 
 
 def test_no_iterations_leave_the_closed_loop_ik_on_its_tasks(melson: Robot, closed_loop: Stages):
-    angles = generate(melson, walk(iterations=0)).joints.angles
+    angles = run_stages(melson, walk(iterations=0)).joints.angles
     assert_allclose(angles, closed_loop.joints.angles, atol=1e-3)  # Newton steps from 1e-5 m

@@ -13,7 +13,7 @@ from mgs.core.contact import Support
 from mgs.judge.motion_checks import Check, check_motion
 from mgs.judge.verdict import judge
 from mgs.motion import Motion
-from mgs.pipeline import Stages, generate
+from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot
 from mgs.sim.measure import travel
 from tests.support.strategies import balance_gait, sine
@@ -97,7 +97,7 @@ def test_a_torso_of_which_nothing_is_asked_is_where_it_should_be(walk_5cm: Stage
 @pytest.mark.parametrize(("gap", "ok"), [(4.9e-3, True), (5.1e-3, False)])
 def test_a_gait_may_give_its_com_more_room(melson: Robot, gap: float, ok: bool):
     gait = balance_gait(sine("com_y", 0.01), com_tolerance=5e-3)
-    motion = generate(melson, gait).motion
+    motion = run_stages(melson, gait).motion
     off = dataclasses.replace(motion, com_ref=motion.com + np.array([0.0, gap, 0.0]))
     found = check(off, "com_position")
     assert (found.ok, found.limit) == (ok, 5e-3)

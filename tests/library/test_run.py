@@ -30,8 +30,7 @@ from mgs.library.points import Plan, plan_sweep
 from mgs.library.run import Summary, recipe_of, run_batch
 from mgs.library.worker import make_gait, travel_figures
 from mgs.motion_file import read_motion
-from mgs.pipeline import Stages, generate
-from mgs.pipeline.sequence import generate_motion
+from mgs.pipeline import Stages, generate, run_stages
 from tests.support.commands import run
 from tests.support.libraries import LENGTHS, write_sweep
 
@@ -121,7 +120,7 @@ def test_the_speed_is_that_of_the_steps(melson: Any, walk_5cm: Stages):
 
 def test_a_velocity_held_for_the_time_of_the_steps_goes_where_an_arc_goes(melson: Any):
     """The oracle moves a point by the constant velocity in its own frame."""
-    motion = generate(melson, load_gait("melson/walk_arc"), "arc").motion
+    motion = run_stages(melson, load_gait("melson/walk_arc"), "arc").motion
     figures = travel_figures(motion)
     vx, vy, wz = (float(figures[key] or 0.0) for key in ("vx", "vy", "wz"))
     single = np.flatnonzero(motion.support)
@@ -230,7 +229,7 @@ def test_a_mistake_of_ours_is_told_of_its_gait_alone(plan: Plan, monkeypatch: py
     def broken(*_: Any) -> None:
         raise ZeroDivisionError("a mistake")
 
-    monkeypatch.setattr(mgs.library.worker, "generate_motion", broken)
+    monkeypatch.setattr(mgs.library.worker, "generate", broken)
     outcome = make_gait(recipe_of(plan), plan.assignments(0))
     assert outcome.row["verdict"] == "lost"
     assert outcome.row["reason"] == "ZeroDivisionError"
@@ -266,7 +265,7 @@ class Deadly(WorkerPlugin):
         self.length, self.once = length, once
 
     def setup(self, worker: object) -> None:
-        real = generate_motion
+        real = generate
 
         def deadly(robot: Any, gait: Any, name: str) -> Any:
             if gait.walk.step_length == self.length:
@@ -276,10 +275,10 @@ class Deadly(WorkerPlugin):
                     os.kill(os.getpid(), signal.SIGKILL)
             return real(robot, gait, name)
 
-        mgs.library.worker.generate_motion = deadly
+        mgs.library.worker.generate = deadly
 
     def teardown(self, worker: object) -> None:
-        mgs.library.worker.generate_motion = generate_motion
+        mgs.library.worker.generate = generate
 
 
 @contextlib.contextmanager

@@ -16,7 +16,7 @@ from mgs.gait import load_gait
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
 from mgs.motion.cycle import Cycle, find_cycle
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.pipeline.join import Displacement, join, moved
 from mgs.robot import load_robot
 from mgs.sim import replay
@@ -150,7 +150,7 @@ def part(motion: Motion, samples: slice) -> Motion:
 def test_the_robot_walks_on_twenty_cycles_and_stops():
     pytest.importorskip("mujoco")
     gait = load_gait("melson/walk_practical")
-    walk = generate(MELSON, gait, "walk").motion
+    walk = run_stages(MELSON, gait, "walk").motion
     cycle = find_cycle(walk)
     long = continued(walk, cycle, 20)
     assert long.n_samples == walk.n_samples + 19 * cycle.n_samples

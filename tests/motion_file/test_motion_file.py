@@ -41,7 +41,7 @@ from mgs.motion import Motion
 from mgs.motion.servo_commands import servo_commands
 from mgs.motion_file import read_info, read_motion, write_motion
 from mgs.motion_file.cdr import message_layout
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.robot import Robot, load_robot
 from tests.support.crooked import crooked_robot
 from tests.support.strategies import balance_gait, figure_eight, sine, walk_gait
@@ -182,7 +182,7 @@ def test_a_balance_motion_comes_back_with_its_gait_and_its_torso(
 def test_a_generated_balance_motion_comes_back_though_nothing_is_asked_of_its_hands(
     melson: Robot, tmp_path: Path
 ) -> None:
-    motion = generate(melson, balance_gait(sine("com_y", 0.02))).motion
+    motion = run_stages(melson, balance_gait(sine("com_y", 0.02))).motion
     assert motion.solver["newton_updates"] >= 0
     write_motion(motion, tmp_path / "a.mcap")
     assert_same(read_motion(tmp_path / "a.mcap"), motion)

@@ -15,7 +15,7 @@ from mgs.core.errors import ConfigError, InfeasibleGaitError
 from mgs.core.geometry import yaw_from_quat_xyzw
 from mgs.gait import KickGait
 from mgs.motion_planner import MotionPlan, plan_motion
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.robot import load_robot
 from mgs.trajectory_planner import plan_trajectories
 
@@ -124,9 +124,9 @@ def test_a_foot_above_the_ball_is_refused_by_name():
 
 def test_a_speed_beyond_the_servos_is_refused_with_joint_and_remedy():
     with pytest.raises(InfeasibleGaitError, match=r"would have to move at .* lower kick\.speed"):
-        generate(MELSON, kick_gait(speed=2.0))
+        run_stages(MELSON, kick_gait(speed=2.0))
 
 
 def test_a_ball_out_of_reach_is_refused():
     with pytest.raises(InfeasibleGaitError, match=r"a nearer ball"):
-        generate(MELSON, kick_gait(ball={"x": 0.25}))
+        run_stages(MELSON, kick_gait(ball={"x": 0.25}))

@@ -17,8 +17,7 @@ from mgs.gait import SequenceGait, SingleGait, load_gait
 from mgs.ik_solver.solve import SOLVERS
 from mgs.judge.motion_checks import check_motion
 from mgs.motion import Motion
-from mgs.pipeline import generate
-from mgs.pipeline.sequence import generate_motion
+from mgs.pipeline import generate, run_stages
 from mgs.robot import load_robot
 from tests.support.strategies import balance_gait, constant, numbers, sine, walk_gait
 
@@ -49,12 +48,12 @@ def sequence_of(*gaits: SingleGait, repeat: int = 1, **block: Any) -> SequenceGa
 
 
 def made(*gaits: SingleGait, **block: Any) -> Motion:
-    return generate_motion(MELSON, sequence_of(*gaits, **block)).motion
+    return generate(MELSON, sequence_of(*gaits, **block)).motion
 
 
 def seams(motion: Motion, *gaits: SingleGait) -> list[int]:
     """Samples at which a part begins, from the durations alone; there are no transitions."""
-    lengths = [generate(MELSON, gait).plan.n_samples - 1 for gait in gaits]
+    lengths = [run_stages(MELSON, gait).plan.n_samples - 1 for gait in gaits]
     assert motion.n_samples == sum(lengths) + 1
     return [int(k) for k in np.cumsum(lengths)[:-1]]
 
@@ -82,7 +81,7 @@ def test_a_sequence_ends_where_its_parts_add_up_to_in_the_complex_plane(gaits):
     """Each part is a turn and a shift z -> z exp(i yaw) + place, composed from the left."""
     place, heading = 0j, 0.0
     for gait in gaits:
-        step, turn = middle(generate(MELSON, gait).motion.soles_ref[-1])
+        step, turn = middle(run_stages(MELSON, gait).motion.soles_ref[-1])
         place, heading = place + step * cmath.exp(1j * heading), heading + turn
     motion = made(*gaits)
     found, turned = middle(motion.soles[-1])
@@ -139,7 +138,7 @@ def test_a_sequence_passes_every_static_check(mixed: Motion):
 
 def test_a_sequence_of_one_part_is_that_part():
     gait = quick_walk(step_length=0.03)
-    alone, motion = generate(MELSON, gait).motion, made(gait)
+    alone, motion = run_stages(MELSON, gait).motion, made(gait)
     for name in ("support", "q", "v", "torque", "com", "zmp", "soles_ref", "torso_ref"):
         assert np.array_equal(getattr(alone, name), getattr(motion, name)), name
     assert motion.footsteps == alone.footsteps
@@ -148,8 +147,8 @@ def test_a_sequence_of_one_part_is_that_part():
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_every_solver_begins_with_the_joints_that_it_is_given(solver: str):
     gait = quick_walk(step_length=0.03, dt=0.01, ik={"solver": solver})
-    alone = generate(MELSON, gait).motion.q[:, 7:]
-    first = generate(MELSON, gait, start=alone[-1]).motion.q[0, 7:]
+    alone = run_stages(MELSON, gait).motion.q[:, 7:]
+    first = run_stages(MELSON, gait, start=alone[-1]).motion.q[0, 7:]
     assert_allclose(first, alone[-1], atol=5e-4)
     if solver == "clik":  # which drifts: what it is given tells
         assert np.abs(alone[-1] - alone[0]).max() > 5e-3
@@ -157,7 +156,7 @@ def test_every_solver_begins_with_the_joints_that_it_is_given(solver: str):
 
 def test_a_part_may_be_repeated():
     gait = quick_walk(step_length=0.03)
-    once, thrice = made(gait), generate_motion(MELSON, sequence_of(gait, repeat=3)).motion
+    once, thrice = made(gait), generate(MELSON, sequence_of(gait, repeat=3)).motion
     assert thrice.n_samples - 1 == 3 * (once.n_samples - 1)
     assert thrice.soles_ref[-1, 0, 0] == pytest.approx(3 * once.soles_ref[-1, 0, 0])
 
@@ -167,7 +166,7 @@ LOW = quick_walk(step_length=0.03, com_height=0.26)
 
 def test_a_transition_leads_to_another_posture_over_soles_that_stay():
     motion = made(quick_walk(), LOW)
-    n = generate(MELSON, LOW).plan.n_samples - 1
+    n = run_stages(MELSON, LOW).plan.n_samples - 1
     assert motion.n_samples == 2 * n + 51  # a second of transition
     over = slice(n, n + 51)
     assert motion.com[n, 2] - motion.com[n + 50, 2] > 0.005
@@ -208,13 +207,13 @@ def test_what_a_part_cannot_do_is_told_with_its_name():
 def test_progress_of_the_parts_is_that_of_the_whole():
     told: list[tuple[int, int]] = []
     gait = sequence_of(quick_walk(), quick_walk())
-    generate_motion(MELSON, gait, progress=lambda done, total: told.append((done, total)))
+    generate(MELSON, gait, progress=lambda done, total: told.append((done, total)))
     assert [done for done, _ in told] == sorted(done for done, _ in told)
     assert {total for _, total in told} == {told[-1][0]}
 
 
 def test_walk_turn_walk_comes_back_facing_the_other_way():
     gait = load_gait("melson/walk_turn_walk", ("com.passes=0",))
-    place, heading = middle(generate_motion(MELSON, gait).motion.soles[-1])
+    place, heading = middle(generate(MELSON, gait).motion.soles[-1])
     assert abs(place) < 0.01
     assert abs(abs(heading) - np.pi) < 0.01

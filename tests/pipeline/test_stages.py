@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from numpy.testing import assert_allclose, assert_array_equal
 
-import mgs.pipeline.stages
+import mgs.pipeline.dynamic_filter
 from mgs.com_generator import ComTrajectory, correct_com, generate_com
 from mgs.core.contact import Side
 from mgs.core.errors import ConfigError, FootstepError, InfeasibleGaitError, MgsError
@@ -18,7 +18,7 @@ from mgs.gait import ComParameters, Gait, load_gait
 from mgs.ik_solver.solve import SOLVERS
 from mgs.judge.motion_checks import zmp_margins
 from mgs.motion import Motion
-from mgs.pipeline import Stages, generate
+from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, load_robot
 from tests.support.strategies import balance_gait, legal_gaits, sine, walk_gait, walks
 
@@ -118,7 +118,7 @@ def test_base_twists_are_those_of_the_base_pose(walk_5cm: Stages):
 
 def test_the_same_gait_gives_the_same_motion_bit_for_bit(melson: Robot):
     gait = load_gait("melson/walk_practical")
-    first, second = (generate(melson, gait).motion for _ in range(2))
+    first, second = (run_stages(melson, gait).motion for _ in range(2))
     for name in ARRAYS:
         assert getattr(first, name).tobytes() == getattr(second, name).tobytes(), name
 
@@ -127,8 +127,8 @@ def test_a_finer_sampling_gives_the_same_motion(melson: Robot):
     """Joint angles belong to time and not to samples: halving dt moves them little."""
     ik = {"gamma_joint": 0.35, "gamma_grav": 1.6}
     com = {"weight_jerk": 1e-10}  # so stiff that its dependence on dt does not show
-    coarse = generate(melson, walk_gait(0.01, com, ik, **SHORT)).motion
-    fine = generate(melson, walk_gait(0.005, com, ik, **SHORT)).motion
+    coarse = run_stages(melson, walk_gait(0.01, com, ik, **SHORT)).motion
+    fine = run_stages(melson, walk_gait(0.005, com, ik, **SHORT)).motion
     assert fine.n_samples == 2 * coarse.n_samples - 1
     assert_allclose(fine.com[::2], coarse.com, atol=1e-3)
     assert np.abs(fine.q[::2, 7:] - coarse.q[:, 7:]).max() < 0.02  # [rad], one degree
@@ -150,14 +150,14 @@ def test_stages_are_timed_by_name(walk_5cm: Stages):
 )
 def test_errors_of_the_stages_reach_the_caller(melson: Robot, walk: dict, error: type[MgsError]):
     with pytest.raises(error):
-        generate(melson, walk_gait(**SHORT | walk))
+        run_stages(melson, walk_gait(**SHORT | walk))
 
 
 @settings(max_examples=12)
 @given(walks(max_steps=3))
 def test_a_moderate_walk_is_generated_or_refused_with_a_reason(gait: Gait):
     try:
-        motion = generate(MELSON, gait).motion
+        motion = run_stages(MELSON, gait).motion
     except InfeasibleGaitError as error:
         assert str(error)
     else:
@@ -172,7 +172,7 @@ def test_a_moderate_walk_is_generated_or_refused_with_a_reason(gait: Gait):
 def test_a_legal_gait_is_generated_or_refused_with_a_reason(gait: Gait):
     """Most are far beyond any robot; none may end in anything but a motion or one of our errors."""
     try:
-        motion = generate(MELSON, gait).motion
+        motion = run_stages(MELSON, gait).motion
     except MgsError as error:
         assert str(error)
     else:
@@ -184,7 +184,7 @@ def test_a_legal_gait_is_generated_or_refused_with_a_reason(gait: Gait):
 
 def filtered(name: str, *settings: str) -> Stages:
     gait = load_gait(name, settings)
-    return generate(load_robot(gait.robot), gait, name)
+    return run_stages(load_robot(gait.robot), gait, name)
 
 
 def plan_of(stages: Stages) -> np.ndarray:
@@ -276,7 +276,7 @@ def test_a_pass_that_fails_leaves_the_best_one(monkeypatch, failure: str, good_p
         return correct_com(com, zmp_ref, -error, dt, parameters)
 
     expected = filtered("melson/walk_practical", f"com.passes={good_passes}").motion
-    monkeypatch.setattr(mgs.pipeline.stages, "correct_com", correct)
+    monkeypatch.setattr(mgs.pipeline.dynamic_filter, "correct_com", correct)
     found = filtered("melson/walk_practical").motion
     assert len(done) == good_passes + 1
     assert found.solver == expected.solver
@@ -285,14 +285,14 @@ def test_a_pass_that_fails_leaves_the_best_one(monkeypatch, failure: str, good_p
 
 
 def test_a_balance_motion_has_no_planned_zmp_to_be_off(melson: Robot):
-    motion = generate(melson, balance_gait(sine("com_y", 0.02))).motion
+    motion = run_stages(melson, balance_gait(sine("com_y", 0.02))).motion
     assert "zmp_error" not in motion.solver
 
 
 def test_progress_counts_every_pass_and_never_goes_back(melson: Robot):
     calls: list[tuple[int, int]] = []
     gait = load_gait("melson/walk_practical")
-    n = generate(melson, gait, progress=lambda *call: calls.append(call)).motion.n_samples
+    n = run_stages(melson, gait, progress=lambda *call: calls.append(call)).motion.n_samples
     done = [call[0] for call in calls]
     assert done == sorted(done)
     assert {total for _, total in calls} == {(1 + gait.com.passes) * n}

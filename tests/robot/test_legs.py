@@ -13,7 +13,7 @@ from mgs.core.errors import ConfigError
 from mgs.gait import load_gait
 from mgs.ik_solver import SOLVERS
 from mgs.motion_planner import plan_motion
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.robot import Robot, leg_joints, load_robot
 from mgs.robot.init import init_robot
 from mgs.robot.legs import missing_turn
@@ -81,7 +81,7 @@ def test_steps_that_need_the_turn_are_refused(
 def test_only_clik_does_without_the_turn(solver: str, tmp_path: Path):
     robot = robot_with(FULL_LEG[1:], tmp_path)
     with pytest.raises(ConfigError, match="use clik"):
-        generate(robot, load_gait("walk", (f"ik.solver={solver}", "walk.n_steps=1")))
+        run_stages(robot, load_gait("walk", (f"ik.solver={solver}", "walk.n_steps=1")))
 
 
 @pytest.mark.parametrize(("leg", "axes"), [(FULL_LEG[1:], (1,)), (FULL_LEG[:-1], (0, 2))])
@@ -90,7 +90,7 @@ def test_the_pelvis_is_held_in_place_of_the_turn(
 ):
     """Soles do what they are asked, all six coordinates, though legs have five joints."""
     robot = robot_with(leg, tmp_path)
-    motion = generate(robot, load_gait("walk", ("walk.n_steps=2",))).motion
+    motion = run_stages(robot, load_gait("walk", ("walk.n_steps=2",))).motion
     apart = np.linalg.norm(motion.soles[..., :3] - motion.soles_ref[..., :3], axis=-1)
     assert apart.max() < 1e-4
     turns = [

@@ -15,7 +15,7 @@ from mgs.judge.motion_checks import check_motion
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
 from mgs.motion_file import read_motion, write_motion
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.robot import Robot
 from mgs.search.refine import Trial, refine
 from mgs.sim import replay
@@ -27,7 +27,7 @@ DT = 0.01
 
 @pytest.fixture(scope="module")
 def short_walk(melson: Robot) -> Motion:
-    return generate(melson, load_gait("melson/walk_practical", SHORT), "short").motion
+    return run_stages(melson, load_gait("melson/walk_practical", SHORT), "short").motion
 
 
 # --- touchdowns -------------------------------------------------------------------------------
@@ -149,7 +149,7 @@ def test_deviations_are_seen_from_the_soles_that_carry(short_walk: Motion):
     """A robot that is planned 3 mm beside where it is: the CoM's deviation is just that."""
     pytest.importorskip("mujoco")
     result = replay(short_walk, "mujoco")
-    tasks = generate(short_walk.robot, short_walk.gait).tasks
+    tasks = run_stages(short_walk.robot, short_walk.gait).tasks
     honest, deviation = mgs.search.refine._trial(short_walk, tasks.load_left, result)
     assert honest.com_rms < 1e-3
     assert np.abs(deviation).max() < 1e-3
@@ -165,7 +165,7 @@ def test_deviations_are_seen_from_the_soles_that_carry(short_walk: Motion):
 def test_without_feed_forward_a_walk_that_fails_is_made_to_pass_in_both_engines(melson: Robot):
     for name in ("pybullet", "mujoco"):
         pytest.importorskip(name)
-    motion = generate(melson, load_gait("melson/walk_practical"), "walk_practical").motion
+    motion = run_stages(melson, load_gait("melson/walk_practical"), "walk_practical").motion
     found = refine(motion, ("pybullet", "mujoco"), feed_forward=False)
     assert all(t.failed for t in found.before)  # a fall is a failed check
     assert not any(t.failed for t in found.after)

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from mgs.core.scene import Ball, Box, Scene
 from mgs.gait import load_gait
 from mgs.judge.verdict import replay_checks
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.robot import load_robot
 from mgs.sim import replay
 from mgs.sim.strike import measure_strike
@@ -102,7 +102,7 @@ def test_melson_strikes_the_ball_as_asked_and_stays_up(engine_name, servo):
 
 def test_a_kick_to_the_side_sends_the_ball_there(engine_name, melson):
     gait = load_gait("melson/kick", ("kick.direction=0.3", "kick.foot=left"))
-    result = replay(generate(melson, gait).motion, engine_name)
+    result = replay(run_stages(melson, gait).motion, engine_name)
     x, y = result.trace.balls[-1, 0, :2] - result.trace.balls[0, 0, :2]
     assert failed(result) == []
     assert np.arctan2(y, x) == pytest.approx(0.3, abs=0.1)

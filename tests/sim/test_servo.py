@@ -12,7 +12,7 @@ from mgs.core.errors import ConfigError, SimulationError
 from mgs.gait import load_gait
 from mgs.motion.dynamics import analyse
 from mgs.motion.servo_commands import servo_commands
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.robot import build_robot, servos_of
 from mgs.robot.servos import SLIP_SPEED
 from mgs.sim import DEFAULTS, ENGINES, replay
@@ -282,7 +282,7 @@ def test_a_walk_stays_up_with_feed_forward_and_falls_without(engine_name, melson
     text = melson.yaml.replace("compliance_slope: 16", "compliance_slope: 32")
     text = text.replace("punch: 0.1752", "punch: 0.0876").replace("punch: 0.0938", "punch: 0.0469")
     soft = build_robot(text, melson.urdf, "soft")
-    motion = generate(soft, load_gait(f"melson/{name}"), name).motion
+    motion = run_stages(soft, load_gait(f"melson/{name}"), name).motion
     settings = DEFAULTS[engine_name]
     settings = dataclasses.replace(settings, dt=step * settings.dt)
     result = replay(motion, engine_name, settings, servo="model")

@@ -16,7 +16,7 @@ from mgs.judge.motion_checks import check_motion
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
 from mgs.motion.dynamics import place_lowest
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.robot import Robot
 from mgs.sim import EngineName, replay
 from tests.support.strategies import keyframes_gait
@@ -24,7 +24,7 @@ from tests.support.strategies import keyframes_gait
 
 def unbalanced(robot: Robot, *keys: dict[str, Any], **frames: Any) -> Motion:
     gait = keyframes_gait(*keys, balance="off", rest=0.2, **frames)
-    return generate(robot, gait).motion
+    return run_stages(robot, gait).motion
 
 
 def touches_below(robot: Robot, q: np.ndarray, height: float) -> bool:

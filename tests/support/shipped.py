@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from mgs.gait import Gait, load_gait
 from mgs.motion_planner import for_robot
-from mgs.pipeline import Stages, generate
+from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, load_robot
 
 
@@ -25,4 +25,4 @@ def generated(name: str) -> Generated:
     gait = load_gait(name)
     robot = load_robot(gait.robot or "melson")
     gait = for_robot(gait, robot)
-    return Generated(robot, gait, generate(robot, gait, name))
+    return Generated(robot, gait, run_stages(robot, gait, name))

@@ -12,7 +12,7 @@ from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.core.progress import Progress
 from mgs.gait import BalanceGait, load_gait
 from mgs.ik_solver.floating.safety_region import SafetyRegion
-from mgs.pipeline import Stages, generate
+from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, load_robot
 
 ROBOT = "coman_legs"
@@ -168,7 +168,7 @@ def solve(progress: Progress | None = None) -> Study:
 def run_one(robot: Robot, key: Key) -> Run:
     """Generate one run; what is missed is recorded, not refused."""
     gait = gait_of(key)
-    stages = generate(robot, gait, f"{ROBOT}/{key.gait}")
+    stages = run_stages(robot, gait, f"{ROBOT}/{key.gait}")
     ends = gait.balance.rest + gait.balance.ease
     first, last = round(ends / gait.dt), round((gait.balance.duration - ends) / gait.dt)
     return Run(stages, slice(first, last + 1))

@@ -14,7 +14,7 @@ from mgs.core.geometry import rotation_angles
 from mgs.core.progress import Progress
 from mgs.experiments.melson.gravity import gravity_torques
 from mgs.gait import load_gait
-from mgs.pipeline import Stages, generate
+from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, load_robot
 
 WALK, LONG_WALK = "melson/walk_5cm", "melson/walk_30_steps"
@@ -48,7 +48,7 @@ def solve(progress: Progress | None = None) -> Study:
             "ik.double_support=off",  # this and the next as in the paper
             "walk.zmp_offset=[0, 0]",
         )
-        done[name] = generate(robot, load_gait(gait, settings), gait)
+        done[name] = run_stages(robot, load_gait(gait, settings), gait)
         if progress is not None:
             progress(i + 1, len(jobs))
     scenarios = {name: done[name] for name in SCENARIOS}

@@ -15,7 +15,7 @@ from mgs.core.progress import Progress
 from mgs.gait import load_gait
 from mgs.ik_solver.floating.constraints import base_velocity
 from mgs.ik_solver.floating.tasks import BodyTasks
-from mgs.pipeline import Stages, generate
+from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, load_robot
 
 SWAY, EIGHT, WALK = "coman/sway", "coman/hand_eight", "melson/walk_5cm"
@@ -80,7 +80,7 @@ def solve(progress: Progress | None = None) -> Study:
             *VARIANTS[key.variant],
         )
         robot = robots[key.gait.split("/")[0]]
-        runs[key] = generate(robot, load_gait(key.gait, settings), key.gait)
+        runs[key] = run_stages(robot, load_gait(key.gait, settings), key.gait)
         if progress is not None:
             progress(i + 1, len(keys))
     return Study(robots["coman"], runs)

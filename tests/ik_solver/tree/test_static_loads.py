@@ -21,7 +21,7 @@ from mgs.ik_solver.tree.static_loads import (
 from mgs.ik_solver.tree.tasks import TreeTasks
 from mgs.motion.dynamics import analyse, place_on_soles
 from mgs.motion_planner import plan_motion
-from mgs.pipeline import Stages, generate
+from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 from tests.support.strategies import walk_gait
@@ -34,7 +34,7 @@ GRAVITY = 9.81
 def walk(melson: Robot) -> Stages:
     """A turning walk: soles at different yaws."""
     gait = walk_gait(n_steps=2, step_length=0.04, step_yaw=0.15, double_support=0.5)
-    return generate(melson, gait)
+    return run_stages(melson, gait)
 
 
 @pytest.fixture(scope="module")
@@ -259,7 +259,7 @@ def test_torques_are_continuous_through_all_phases(melson: Robot, sharing):
     jumps = []
     for dt in (0.01, 0.005):
         gait = walk_gait(n_steps=2, step_length=0.05, dt=dt)
-        stages = generate(melson, gait)
+        stages = run_stages(melson, gait)
         loads = StaticLoads(melson, stages.tasks, stages.com, sharing)
         torques = np.empty_like(stages.joints.angles)
         pair = TreeTasks(melson, Side.LEFT), TreeTasks(melson, Side.RIGHT)
@@ -284,7 +284,7 @@ def test_in_single_support_nothing_changes(melson: Robot, walk: Stages, trees):
 def torques_of(robot: Robot, sharing: str) -> np.ndarray:
     settings = ("ik.gamma_joint=0.35", "ik.gamma_grav=1.6", f"ik.double_support={sharing}")
     one_com = "com.passes=0"  # not one corrected for either scheme
-    return generate(robot, load_gait("melson/walk_5cm", (*settings, one_com))).motion.torque
+    return run_stages(robot, load_gait("melson/walk_5cm", (*settings, one_com))).motion.torque
 
 
 @pytest.mark.parametrize("sharing", SHARINGS)
@@ -298,7 +298,7 @@ def test_the_walk_of_the_paper_gets_by_with_less_torque_than_its_scheme(melson: 
 @pytest.mark.parametrize("sharing", SHARINGS)
 def test_tasks_are_met_whichever_way_the_weight_is_shared(melson: Robot, sharing):
     gait = walk_gait(n_steps=2, step_length=0.05, ik={"gamma_grav": 1.6, "double_support": sharing})
-    motion = generate(melson, gait).motion
+    motion = run_stages(melson, gait).motion
     assert np.abs(motion.com - motion.com_ref).max() < 2e-4
     assert np.abs(motion.soles - motion.soles_ref).max() < 1e-4
 

@@ -17,7 +17,7 @@ from mgs.core.errors import ConfigError, OutputExistsError
 from mgs.core.shipped import shipped_folder
 from mgs.gait import load_gait
 from mgs.judge.motion_checks import check_motion
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.robot import Robot, load_robot
 from mgs.robot.init import DraftFolder, init_robot, write_robot
 from mgs.robot.soundness import check_robot
@@ -141,7 +141,7 @@ def test_it_walks_without_editing(name: str, tmp_path: Path):
     assert unsound(draft.robot) == []
     write_robot(draft, tmp_path / "mine")
     robot = load_robot(tmp_path / "mine")
-    motion = generate(robot, load_gait("walk"), "walk").motion
+    motion = run_stages(robot, load_gait("walk"), "walk").motion
     assert [c.name for c in check_motion(motion) if not c.ok] == []
     walk = motion.gait.walk
     assert motion.footsteps[-1].x == pytest.approx(5 * walk.step_length)

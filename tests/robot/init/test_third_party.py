@@ -10,7 +10,7 @@ import pytest
 from mgs.core.errors import ConfigError
 from mgs.gait import load_gait
 from mgs.judge.motion_checks import check_motion
-from mgs.pipeline import generate
+from mgs.pipeline import run_stages
 from mgs.robot.init import init_robot
 from mgs.robot.soundness import check_robot
 
@@ -40,7 +40,7 @@ def test_it_walks_without_editing(package: str, name: str, joints: int):
     robot = init_robot(file_of(package, name)).robot
     assert robot.n == joints
     assert [finding.name for finding in check_robot(robot) if not finding.ok] == []
-    motion = generate(robot, load_gait("walk"), "walk").motion
+    motion = run_stages(robot, load_gait("walk"), "walk").motion
     assert [check.name for check in check_motion(motion) if not check.ok] == []
 
 

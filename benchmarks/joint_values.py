@@ -1,0 +1,74 @@
+"""Whether two versions of mgs give the same joint values for every gait that ships.
+
+    python benchmarks/joint_values.py record before.npz     # in the one checkout
+    python benchmarks/joint_values.py compare before.npz    # in the other one
+
+Compares configurations q [m, rad] and torques [N m]; exits 1 where they differ by more than 1e-12.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mgs.gait import list_gaits, load_gait
+from mgs.pipeline import generate
+from mgs.robot import load_robot
+
+TOLERANCE = 1e-12
+
+
+def joint_values() -> dict[str, Any]:
+    """Arrays q and torque of every shipped gait that names its robot."""
+    values: dict[str, Any] = {}
+    for name in list_gaits():
+        gait = load_gait(name)
+        if gait.robot is not None:
+            motion = generate(load_robot(gait.robot), gait, name).motion
+            values |= {f"{name}:q": motion.q, f"{name}:torque": motion.torque}
+    return values
+
+
+def compare(recorded: Path) -> int:
+    """Print the gaits that differ; the exit code."""
+    here, there = joint_values(), np.load(recorded)
+    missing = sorted(here.keys() ^ set(there.files))
+    different = {
+        name: here[name].shape == there[name].shape and np.abs(here[name] - there[name]).max()
+        for name in sorted(here.keys() & set(there.files))
+        if here[name].shape != there[name].shape
+        or not np.abs(here[name] - there[name]).max() <= TOLERANCE
+    }
+    for name in missing:
+        print(f"{name}: in one of the two only")
+    for name, difference in different.items():
+        print(f"{name}: differs by {difference:.3g}" if difference else f"{name}: another length")
+    worst = max(
+        np.abs(here[n] - there[n]).max()
+        for n in here.keys() & set(there.files)
+        if n not in different or different[n]
+    )
+    print(f"{len(here) // 2} gaits compared, largest difference {worst:.3g}")
+    return 1 if missing or different else 0
+
+
+def main() -> int:
+    """Record or compare."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("action", choices=["record", "compare"])
+    parser.add_argument("file", type=Path)
+    arguments = parser.parse_args()
+    if arguments.action == "compare":
+        return compare(arguments.file)
+    np.savez(arguments.file, **joint_values())
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,42 @@
+"""From any gait to its motion, without any file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mgs.core.progress import Progress
+from mgs.gait import Gait, SequenceGait
+from mgs.motion import Motion
+from mgs.pipeline.sequence import generate_sequence
+from mgs.pipeline.stages import run_stages
+from mgs.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class Generated:
+    """A motion and the wall time of each stage [s]."""
+
+    motion: Motion
+    seconds: dict[str, float]
+
+
+def generate(
+    robot: Robot, gait: Gait, name: str = "gait", progress: Progress | None = None
+) -> Generated:
+    """The motion of any gait: of the four stages, or of those of each part of a sequence.
+
+    Args:
+        robot: the robot.
+        gait: what it shall do.
+        name: name of the gait, for the motion file.
+        progress: called with work done and work in all.
+
+    Raises:
+        ConfigError: values of the gait that do not fit each other or this robot.
+        InfeasibleGaitError: the robot cannot do it; for a sequence the message names the part.
+        SeamError: a part does not begin as the one before it ends.
+    """
+    if isinstance(gait, SequenceGait):
+        return Generated(*generate_sequence(robot, gait, name, progress))
+    stages = run_stages(robot, gait, name, progress)
+    return Generated(stages.motion, stages.seconds)
