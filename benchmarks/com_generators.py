@@ -67,8 +67,8 @@ def generators(robot: Robot) -> dict[str, tuple[str, ...]]:
 def figures(runs: list[Stages]) -> str:
     """The cells of one row; all runs are the same but for their times."""
     motion, com = runs[0].motion, runs[0].com
-    report = motion.solver["zmp_error"]
-    assert isinstance(report, dict)
+    report = motion.provenance.zmp_error
+    assert report is not None
     error = np.linalg.norm(motion.zmp - motion.zmp_ref, axis=1)
     margin = zmp_margins(motion, motion.zmp).min()
     jerk = np.linalg.norm(np.diff(com.acceleration, axis=0), axis=1) / motion.dt
@@ -76,7 +76,7 @@ def figures(runs: list[Stages]) -> str:
     total = min(sum(run.seconds.values()) for run in runs)
     return (
         f"{1e3 * error.mean():.2f} mm | {1e3 * error.max():.2f} mm | "
-        f"{1e3 * report['after']['mean']:.2f} mm | {1e3 * margin:.1f} mm | "
+        f"{1e3 * report.after.mean:.2f} mm | {1e3 * margin:.1f} mm | "
         f"{np.sqrt(np.mean(jerk**2)):.2f} m/s^3 | {1e3 * stage:.1f} ms | {1e3 * total:.0f} ms"
     )
 

@@ -46,15 +46,16 @@ from nonlinear_side import Ik4Problem, Quality, Sample, Slsqp
 from run import machine
 from spread import spread
 
-from mgs.com_generator import ComTrajectory, generate_com
+from mgs.com_generator import ComTrajectory
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.core.errors import MgsError
+from mgs.core.plugins import IK_SOLVERS
 from mgs.experiments.faraji.runs import FEW, ITERATED, MANY, STRETCHED, Key, gait_of
 from mgs.gait import BalanceGait, WalkGait, load_gait
-from mgs.ik_solver import SOLVERS
 from mgs.ik_solver.hard_soft import NEAR_STRETCHED, FarajiIk, FarajiRun
 from mgs.motion_planner import plan_motion
+from mgs.pipeline import first_com
 from mgs.robot import Robot, load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 
@@ -128,7 +129,7 @@ def _squat() -> Case:
 
     robot, gait = load_robot("coman_legs"), gait_with("ik4", FEW)
     tasks = plan_trajectories(plan_motion(robot, gait))
-    return Case(SQUAT, robot, tasks, generate_com(tasks, None), gait_with)
+    return Case(SQUAT, robot, tasks, first_com(robot, gait, tasks), gait_with)
 
 
 def _walk() -> Case:
@@ -142,7 +143,7 @@ def _walk() -> Case:
 
     robot, gait = load_robot("melson"), gait_with("ik4", FEW)
     tasks = plan_trajectories(plan_motion(robot, gait))
-    return Case(WALK, robot, tasks, generate_com(tasks, gait.com), gait_with)
+    return Case(WALK, robot, tasks, first_com(robot, gait, tasks), gait_with)
 
 
 class _SolverTimes:
@@ -155,7 +156,7 @@ class _SolverTimes:
         self.singles: dict[str, list[Array]] = {}
         self.means: dict[str, list[float]] = {}
         self._todo: dict[str, Callable[[], None]] = {}
-        for method in SOLVERS:
+        for method in IK_SOLVERS.own:
             if method.startswith("ik"):
                 for n in (FEW, MANY) if method in ITERATED else (1,):
                     label = f"{method}, n = {n}" if method in ITERATED else method
@@ -169,7 +170,7 @@ class _SolverTimes:
     def _is_able(self, method: str) -> bool:
         """Whether a solver takes the motion; writes a note on what it says of it."""
         case = self.case
-        solver = SOLVERS[method].from_parameters(case.gait_with(method, FEW).ik)
+        solver = IK_SOLVERS.load(method).from_parameters(case.gait_with(method, FEW).ik)
         try:
             found = solver.solve(case.robot, case.tasks, case.com).report
         except MgsError as error:
@@ -199,7 +200,7 @@ class _SolverTimes:
 
     def _add_whole(self, method: str) -> None:
         case = self.case
-        solver = SOLVERS[method].from_parameters(case.gait_with(method, FEW).ik)
+        solver = IK_SOLVERS.load(method).from_parameters(case.gait_with(method, FEW).ik)
         start = time.perf_counter()
         solver.solve(case.robot, case.tasks, case.com)
         self.means[method].append((time.perf_counter() - start) / case.tasks.n_samples)

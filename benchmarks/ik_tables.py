@@ -6,7 +6,7 @@ from typing import Any
 
 from tables import table
 
-from mgs.ik_solver import SOLVERS
+from mgs.core.plugins import IK_SOLVERS
 
 
 def report(figures: dict[str, Any]) -> str:
@@ -34,7 +34,9 @@ def _solvers(found: dict[str, Any]) -> str:
     for name in names:
         labels += [label for label in found[name]["times"] if label not in labels]
     rows, notes = [], []
-    for label in sorted(labels, key=lambda label: list(SOLVERS).index(label.partition(",")[0])):
+    for label in sorted(
+        labels, key=lambda label: list(IK_SOLVERS.own).index(label.partition(",")[0])
+    ):
         row = [label]
         for name in names:
             times = found[name]["times"].get(label)

@@ -17,8 +17,8 @@ import numpy as np
 from tables import table
 
 from mgs.core.constants import FLOATING_BASE_NQ
+from mgs.core.plugins import IK_SOLVERS
 from mgs.gait import load_gait
-from mgs.ik_solver import SOLVERS
 from mgs.judge.motion_checks import check_motion, tracking_errors
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
@@ -36,7 +36,7 @@ def main() -> None:
     parser.add_argument("--physics", action="store_true", help="replay in every engine present")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     arguments = parser.parse_args()
-    found = {name: measure(arguments.gait, name, arguments.physics) for name in SOLVERS}
+    found = {name: measure(arguments.gait, name, arguments.physics) for name in IK_SOLVERS.own}
     if arguments.json:
         print(json.dumps({"gait": arguments.gait, "solvers": found}, indent=2))
     else:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from mgs.com_generator.com_trajectory import ComTrajectory
+from mgs.com_generator.generate import FOLLOWS_REFERENCE
 from mgs.com_generator.preview import require_rest, respond
 from mgs.core.arrays import Array
 from mgs.core.geometry import quintic
@@ -30,13 +31,14 @@ def correct_com(
         zmp_ref: reference (N, 2) of the ZMP; it says how long the robot rests at either end.
         error: planned ZMP less that of the whole robot (N, 2) [m].
         dt: sampling period [s].
-        parameters: of the preview control; its weights beside a QP, which has its own, are stiff.
+        parameters: tuning of the preview control; where the motion comes from another generator,
+            stiff weights take the place of the generator's own.
 
     Raises:
         ConfigError: see `preview_gains`.
         InfeasibleGaitError: the corrected CoM is not at rest when the motion ends.
     """
-    if parameters.generator == "qp":
+    if parameters.generator != FOLLOWS_REFERENCE:
         parameters = parameters.model_copy(update={"weight_error": 1.0, "weight_jerk": STIFF})
     response = respond(rest_window(zmp_ref)[:, None] * error, com.position[:, 2], dt, parameters)
     position = com.position.copy()

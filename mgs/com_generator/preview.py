@@ -27,6 +27,8 @@ from mgs.core.arrays import Array
 from mgs.core.constants import GRAVITY
 from mgs.core.errors import ConfigError, InfeasibleGaitError
 from mgs.gait import ComParameters
+from mgs.robot import Robot
+from mgs.trajectory_planner import TaskTrajectory
 
 REST_SPEED, REST_DISTANCE = 2e-3, 1e-3  # [m/s], [m] at which the CoM counts as at rest at the end
 
@@ -96,6 +98,22 @@ def _no_gain(what: str, reason: str) -> ConfigError:
     )
 
 
+@dataclass(frozen=True)
+class PreviewControl:
+    """The generator `preview`."""
+
+    parameters: ComParameters
+
+    @classmethod
+    def from_parameters(cls, parameters: ComParameters) -> PreviewControl:
+        """Generator with the tuning of a gait file."""
+        return cls(parameters)
+
+    def generate(self, robot: Robot, tasks: TaskTrajectory) -> ComTrajectory:
+        """CoM motion that follows the ZMP reference; see `follow_zmp` for the errors."""
+        return follow_zmp(tasks.zmp_ref, tasks.com_height, tasks.dt, self.parameters)
+
+
 def follow_zmp(
     zmp_ref: Array, com_height: Array, dt: float, parameters: ComParameters
 ) -> ComTrajectory:
@@ -113,7 +131,7 @@ def follow_zmp(
 def respond(
     zmp_ref: Array, com_height: Array, dt: float, parameters: ComParameters
 ) -> ComTrajectory:
-    """As `follow_zmp`, at rest in the end or not."""
+    """The motion of `follow_zmp`, whether or not it is at rest in the end."""
     gains = preview_gains(
         dt,
         float(com_height[0]),

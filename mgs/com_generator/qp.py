@@ -53,6 +53,22 @@ class Qp:
     h: Array
 
 
+@dataclass(frozen=True)
+class BoundedZmp:
+    """The generator `qp`."""
+
+    parameters: ComParameters
+
+    @classmethod
+    def from_parameters(cls, parameters: ComParameters) -> BoundedZmp:
+        """Generator with the tuning of a gait file."""
+        return cls(parameters)
+
+    def generate(self, robot: Robot, tasks: TaskTrajectory) -> ComTrajectory:
+        """CoM motion that keeps the ZMP inside; see `bound_zmp` for the errors."""
+        return bound_zmp(robot, tasks, self.parameters)
+
+
 def bound_zmp(robot: Robot, tasks: TaskTrajectory, parameters: ComParameters) -> ComTrajectory:
     """CoM motion from rest to rest that keeps the ZMP inside, near tasks.zmp_ref.
 

@@ -144,13 +144,18 @@ def set_value(tree: Any, key: str, value: object, source: str) -> None:
     node[path[-1]] = value
 
 
-def build(model: type[M], tree: Any, source: str | Path) -> M:
-    """Validate a tree; raises one ConfigError with each bad key, its value and what is allowed."""
+def build(
+    model: type[M], tree: Any, source: str | Path, context: dict[str, object] | None = None
+) -> M:
+    """Validate a tree; raises one ConfigError with each bad key, its value and what is allowed.
+
+    Validators of the model find `context` in their `ValidationInfo`.
+    """
     if not isinstance(tree, dict):
         found = "nothing" if tree is None else f"a {type(tree).__name__}"
         raise ConfigError(source, f"expected keys and values at the top level, found {found}")
     try:
-        return model.model_validate(tree)
+        return model.model_validate(tree, context=context)
     except pydantic.ValidationError as error:
         items = error.errors(include_url=False)
         problems = [_explain(model, item) for item in items[: ConfigError.MOST_TOLD]]

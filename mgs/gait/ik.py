@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 
 from mgs.core.config import Model
+from mgs.core.plugins import IK_SOLVERS
+from mgs.gait.names import SolverName, own_parameters
 
+HARD_SOFT = ("ik1", "ik2", "ik3", "ik4", "ik5")  # solvers that follow postures
 Weight = Annotated[list[Annotated[float, Field(gt=0.0, le=1e6)]], Field(min_length=3, max_length=3)]
 TaskName = Literal["soles", "torso", "com", "hands"]
 PartName = Literal["soles", "torso", "com", "com_xy", "com_z", "hands"]
-SolverName = Literal[
-    "clik",
-    "ik1",
-    "ik2",
-    "ik3",
-    "ik4",
-    "ik5",
-    "prioritized",
-    "prioritized-acceleration",
-    "trajectory",
-]
 
 
 def _off_of_yaml(value: object) -> object:
@@ -144,7 +136,9 @@ class TrajectoryParameters(Model):
 class IkParameters(Model):
     """Inverse kinematics (stage 4)."""
 
-    solver: SolverName = Field("clik", description="Name of the solver.")
+    solver: SolverName = Field(
+        "clik", description="Name of the IK solver, one of mgs or one of another package."
+    )
     gamma_joint: float = Field(
         0.35, ge=0.0, le=1e3, description="clik: gain of the joint-limit gradient [rad^2/s]."
     )
@@ -179,11 +173,33 @@ class IkParameters(Model):
     faraji: FarajiParameters = FarajiParameters()
     prioritized: PrioritizedParameters = PrioritizedParameters()
     trajectory: TrajectoryParameters = TrajectoryParameters()
+    parameters: dict[str, Any] = Field(
+        {}, description="Parameters of a solver from another package, whose guide lists them."
+    )
+
+    @field_validator("parameters")
+    @classmethod
+    def _are_those_of_the_solver(
+        cls, given: dict[str, Any], info: ValidationInfo
+    ) -> dict[str, Any]:
+        return own_parameters(IK_SOLVERS, "solver", given, info)
 
 
 class WholeBodyIkParameters(IkParameters):
     """Inverse kinematics where torso and joint postures are asked for too."""
 
-    solver: Literal["ik1", "ik2", "ik3", "ik4", "ik5"] = Field(
-        "ik4", description="Name of the solver."
+    solver: SolverName = Field(
+        "ik4",
+        description="Name of the IK solver: ik1 to ik5, which keep to postures, or a solver of "
+        "another package.",
     )
+
+    @field_validator("solver")
+    @classmethod
+    def _keeps_to_postures(cls, solver: str) -> str:
+        if solver in IK_SOLVERS.own and solver not in HARD_SOFT:
+            raise ValueError(
+                f"{solver} cannot follow the posture of torso and joints that this motion asks "
+                f"for; use one of {', '.join(HARD_SOFT)}"
+            )
+        return solver

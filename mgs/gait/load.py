@@ -10,6 +10,7 @@ from pydantic import create_model
 from mgs.core.config import build, parse_yaml, read_text, set_key
 from mgs.gait.find import find_gait
 from mgs.gait.kinds import GAITS, Gait
+from mgs.gait.names import ANY_NAME
 from mgs.gait.sequence import resolve_parts, split_assignments
 
 
@@ -32,10 +33,13 @@ def parse_gait(
     source: str | Path,
     assignments: tuple[str, ...] = (),
     folder: Path | None = None,
+    *,
+    any_name: bool = False,
 ) -> Gait:
     """Gait from YAML text; raises ConfigError naming `source`.
 
     A sequence may name other gait files, relative to `folder`; None: it has to hold everything.
+    With `any_name` the solver and the generator that the gait names need not be installed here.
     """
     tree: Any = parse_yaml(text, source)
     own = assignments
@@ -45,7 +49,7 @@ def parse_gait(
         set_key(tree, assignment)
     if is_sequence:
         resolve_parts(tree, source, folder, inner)
-    return build(_kind_of(tree), tree, source)
+    return build(_kind_of(tree), tree, source, ANY_NAME if any_name else None)
 
 
 def _kind_of(tree: Any) -> type[Gait]:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from mgs.core.config import Model
+from mgs.core.plugins import COM_GENERATORS
+from mgs.gait.names import GeneratorName, own_parameters
 
 MAX_STEPS = 20_000
 COM_TOLERANCE = 2e-4  # [m]
@@ -178,10 +180,11 @@ class WalkParameters(Model):
 class ComParameters(Model):
     """The CoM motion that the ZMP asks for (stage 3), and its correction for the whole robot."""
 
-    generator: Literal["preview", "qp"] = Field(
+    generator: GeneratorName = Field(
         "preview",
-        description="preview: control that follows the ZMP reference; qp: the least jerk whose ZMP "
-        "keeps com.margin from the edge of the support polygon.",
+        description="CoM generator. preview: control that follows the ZMP reference; qp: the least "
+        "jerk whose ZMP keeps com.margin from the edge of the support polygon; or the name of a "
+        "generator from another package.",
     )
     preview: float = Field(1.6, ge=0.1, le=10.0, description="Preview window [s].")
     weight_error: float = Field(
@@ -205,3 +208,13 @@ class ComParameters(Model):
     zmp_tolerance: float = Field(
         2e-4, gt=0.0, le=1.0, description="Mean ZMP error that needs no further correction [m]."
     )
+    parameters: dict[str, Any] = Field(
+        {}, description="Parameters of a generator from another package, whose guide lists them."
+    )
+
+    @field_validator("parameters")
+    @classmethod
+    def _are_those_of_the_generator(
+        cls, given: dict[str, Any], info: ValidationInfo
+    ) -> dict[str, Any]:
+        return own_parameters(COM_GENERATORS, "generator", given, info)

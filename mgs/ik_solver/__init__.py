@@ -2,6 +2,6 @@
 
 from mgs.ik_solver.joint_trajectory import JointTrajectory
 from mgs.ik_solver.residuals import refuse_speed
-from mgs.ik_solver.solve import SOLVERS, IkSolver, solve_ik
+from mgs.ik_solver.solve import IkSolver, solve_ik
 
-__all__ = ["SOLVERS", "IkSolver", "JointTrajectory", "refuse_speed", "solve_ik"]
+__all__ = ["IkSolver", "JointTrajectory", "refuse_speed", "solve_ik"]

@@ -7,21 +7,22 @@ from typing import Protocol
 import numpy as np
 
 from mgs.com_generator import ComTrajectory
-from mgs.core.errors import ConfigError, InfeasibleGaitError
+from mgs.core.errors import ConfigError, InfeasibleGaitError, MgsError
+from mgs.core.plugins import IK_SOLVERS
 from mgs.core.progress import Progress
 from mgs.gait import IkParameters
-from mgs.ik_solver.clik import ClosedLoopIk
-from mgs.ik_solver.hard_soft import FarajiIk
 from mgs.ik_solver.joint_trajectory import JointTrajectory
-from mgs.ik_solver.prioritized import PrioritizedIk
-from mgs.ik_solver.whole_motion import TrajectoryIk
 from mgs.robot import Robot
 from mgs.robot.legs import missing_turn
 from mgs.trajectory_planner import TaskTrajectory
 
 
 class IkSolver(Protocol):
-    """Frozen tuning and one method that takes the whole task trajectory."""
+    """Frozen tuning and one method that takes the whole task trajectory.
+
+    A class attribute `Parameters`, a pydantic model, declares the keys of the block
+    `ik.parameters` where the solver comes from another package.
+    """
 
     @classmethod
     def from_parameters(cls, parameters: IkParameters) -> IkSolver:
@@ -46,15 +47,6 @@ class IkSolver(Protocol):
         ...
 
 
-SOLVERS: dict[str, type[IkSolver]] = {
-    "clik": ClosedLoopIk,
-    **{f"ik{method}": FarajiIk for method in range(1, 6)},
-    "prioritized": PrioritizedIk,
-    "prioritized-acceleration": PrioritizedIk,
-    "trajectory": TrajectoryIk,
-}
-
-
 def solve_ik(
     robot: Robot,
     tasks: TaskTrajectory,
@@ -65,8 +57,9 @@ def solve_ik(
     """Stage 4: joint angles that meet the tasks; see `IkSolver.solve` for the errors.
 
     Raises:
-        ConfigError: as well as the solver's own, where legs lack a turn of the sole that only clik
-            does without.
+        ConfigError: nothing of the solver's name is installed, or legs lack a turn of the sole that
+            only clik does without.
+        MgsError: a solver of another package returns joint angles of a wrong shape.
     """
     turn = missing_turn(robot)
     if turn is not None and parameters.solver != "clik":
@@ -75,11 +68,18 @@ def solve_ik(
             f"{parameters.solver} needs legs that turn their soles in {turn}, which those of "
             f"{robot.spec.name} cannot; use clik",
         )
-    solver = SOLVERS[parameters.solver].from_parameters(parameters)
+    solver = IK_SOLVERS.load(parameters.solver).from_parameters(parameters)
     try:
-        return solver.solve(robot, tasks, com, progress)
+        joints: JointTrajectory = solver.solve(robot, tasks, com, progress)
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         raise InfeasibleGaitError(
             f"ik.solver {parameters.solver}: {error}; the motion has probably run away from its "
             "tasks: ask for less, or take ik4, which keeps within limits"
         ) from error
+    expected = (tasks.n_samples, robot.n)
+    if joints.angles.shape != expected or not np.isfinite(joints.angles).all():
+        raise MgsError(
+            f"ik.solver {parameters.solver}: joint angles have shape {joints.angles.shape} or are "
+            f"not finite; they have to be {expected} finite numbers"
+        )
+    return joints

@@ -11,6 +11,7 @@ from mgs.core.arrays import Array
 from mgs.core.contact import Footstep
 from mgs.core.scene import EMPTY, Scene
 from mgs.gait import Gait
+from mgs.motion.provenance import Provenance
 from mgs.robot import Robot
 
 
@@ -41,7 +42,7 @@ class Motion:
     hands_ref: Array  # (N, 2, 3) asked; hands have no orientation task
     torso: Array  # (N, 7) reached
     torso_ref: Array  # (N, 4) orientation asked, quaternion xyzw
-    solver: dict[str, object]  # name of the IK solver and its parameters
+    provenance: Provenance
     scene: Scene = EMPTY
 
     @property

@@ -7,13 +7,13 @@ import json
 import struct
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, BinaryIO, Literal
+from typing import Annotated, Any, BinaryIO, Literal
 
 import numpy as np
 import zstandard
 from mcap.exceptions import McapError
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, PlainValidator, TypeAdapter
 
 from mgs.core.config import Model, build
 from mgs.core.contact import Footstep, Side
@@ -21,6 +21,7 @@ from mgs.core.errors import ConfigError, MotionFileError
 from mgs.core.scene import Ball, Box, Scene
 from mgs.gait import Gait, parse_gait
 from mgs.motion import Motion
+from mgs.motion.provenance import Provenance
 from mgs.motion_file.cdr import full_name
 from mgs.motion_file.check import find_problem
 from mgs.motion_file.latched_topics import ONCE_TOPICS
@@ -40,7 +41,7 @@ from mgs.robot import Robot, build_robot
 
 Times = NDArray[np.uint64]
 BYTES_PER_INDEX_ENTRY = 16
-JSON_KEYS = ("dt", "samples", "duration", "mass", "solver", "footsteps", "scene")
+JSON_KEYS = ("dt", "samples", "duration", "mass", "solver", "provenance", "footsteps", "scene")
 
 
 class FootstepEntry(Model):
@@ -83,13 +84,18 @@ class SceneEntry(Model):
     balls: list[BallEntry] = Field([])
 
 
+def _provenance(value: object) -> Provenance:
+    """Provenance as it was written; lists stand for tuples in JSON."""
+    return TypeAdapter(Provenance).validate_python(value)
+
+
 class MotionMetadata(Model):
     """What reading needs of the metadata record `mgs`."""
 
     gait: str
     dt: float = Field(gt=0.0, le=1.0)
     samples: int = Field(gt=0)
-    solver: dict[str, Any]
+    provenance: Annotated[Provenance, PlainValidator(_provenance)]
     footsteps: list[FootstepEntry]
     scene: SceneEntry = SceneEntry()
 
@@ -207,7 +213,7 @@ def _read(path: Path, reader: ChunkReader) -> Motion:
             Footstep(Side[s.side.upper()], s.x, s.y, s.yaw, s.z) for s in meta.footsteps
         ),
         support=support,
-        solver=meta.solver,
+        provenance=meta.provenance,
         scene=Scene(
             boxes=tuple(Box(**box.model_dump()) for box in meta.scene.boxes),
             balls=tuple(Ball(**ball.model_dump()) for ball in meta.scene.balls),
@@ -222,7 +228,10 @@ def _read_attachments(path: Path, reader: ChunkReader) -> tuple[Robot, Gait]:
         if name not in reader.attachments:
             raise MotionFileError(path, f"attachment {name} is missing")
     gait, robot, urdf = (reader.read_attachment(name).decode() for name in names)
-    return build_robot(robot, urdf, f"{path}: robot.yaml"), parse_gait(gait, f"{path}: gait.yaml")
+    return (
+        build_robot(robot, urdf, f"{path}: robot.yaml"),
+        parse_gait(gait, f"{path}: gait.yaml", any_name=True),
+    )
 
 
 def _check_topics(

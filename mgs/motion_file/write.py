@@ -45,7 +45,7 @@ from mgs.motion_file.topics import (
 from mgs.motion_file.transforms import LinkTree, link_tree
 from mgs.robot import is_modelled
 
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 SAMPLES_PER_CHUNK = 500  # about 2 MB; players read a chunk at a time
 
 
@@ -120,7 +120,8 @@ def metadata(motion: Motion) -> dict[str, str]:
         "schema_version": str(FORMAT_VERSION),
         "gait": motion.gait_name,
         "robot": motion.robot.spec.name,
-        "solver": json.dumps(motion.solver, allow_nan=False),
+        "solver": json.dumps(motion.provenance.to_dict(), allow_nan=False),
+        "provenance": json.dumps(asdict(motion.provenance), allow_nan=False),
         "dt": json.dumps(motion.dt),
         "samples": json.dumps(motion.n_samples),
         "duration": json.dumps(motion.duration),

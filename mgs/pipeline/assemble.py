@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from mgs.com_generator import ComTrajectory
-from mgs.gait import SingleGait
+from mgs.core.plugins import COM_GENERATORS, IK_SOLVERS, Origin
+from mgs.gait import SingleGait, ZmpGait
 from mgs.ik_solver import JointTrajectory
 from mgs.motion import Motion
 from mgs.motion.dynamics import WholeBodyMotion, analyse, place_on_soles
+from mgs.motion.provenance import FilterReport, Provenance
 from mgs.motion_planner import MotionPlan
-from mgs.pipeline.filter_report import FilterReport
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
 
@@ -58,10 +59,16 @@ def assemble(
         hands_ref=np.where(np.isfinite(hands), hands, body.hands[..., :3]),
         torso=body.torso,
         torso_ref=tasks.torso if tasks.torso_asked else body.torso[:, 3:],
-        solver={
-            **joints.report,
-            **gait.ik.model_dump(),
-            **({} if zmp_error is None else {"zmp_error": zmp_error.to_dict()}),
-        },
+        provenance=Provenance(
+            solver=IK_SOLVERS.origin(gait.ik.solver),
+            com_generator=_com_generator(gait),
+            tuning=gait.ik.model_dump(),
+            report=joints.report,
+            zmp_error=zmp_error,
+        ),
         scene=plan.scene,
     )
+
+
+def _com_generator(gait: SingleGait) -> Origin | None:
+    return COM_GENERATORS.origin(gait.com.generator) if isinstance(gait, ZmpGait) else None

@@ -10,15 +10,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mgs.com_generator import ComTrajectory, correct_com, generate_com, planned_zmp
+from mgs.com_generator import ComTrajectory, correct_com, follow_com, generate_com, planned_zmp
 from mgs.core.arrays import Array
 from mgs.core.errors import InfeasibleGaitError
 from mgs.core.progress import Progress
 from mgs.gait import ComParameters, SingleGait, ZmpGait
 from mgs.ik_solver import JointTrajectory, solve_ik
 from mgs.motion.dynamics import WholeBodyMotion
+from mgs.motion.provenance import FilterReport, ZmpError
 from mgs.pipeline.assemble import whole_body
-from mgs.pipeline.filter_report import FilterReport, ZmpError
 from mgs.pipeline.timing import timed
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
@@ -50,9 +50,8 @@ class Passes:
 
     def first_com(self) -> ComTrajectory:
         """The CoM motion of stage 3."""
-        parameters = self.gait.com if isinstance(self.gait, ZmpGait) else None
         return timed(
-            self.seconds, "com_generator", lambda: generate_com(self.tasks, parameters, self.robot)
+            self.seconds, "com_generator", lambda: first_com(self.robot, self.gait, self.tasks)
         )
 
     def run(self, com: ComTrajectory) -> tuple[JointTrajectory, WholeBodyMotion]:
@@ -79,6 +78,15 @@ class Passes:
         if self.progress is not None:
             most = 1 + (self.gait.com.passes if isinstance(self.gait, ZmpGait) else 0)
             self.progress(done + min(self.n_run, most - 1) * total, most * total)
+
+
+def first_com(robot: Robot, gait: SingleGait, tasks: TaskTrajectory) -> ComTrajectory:
+    """The CoM motion of stage 3: the one that is asked for, or the one that the ZMP asks for."""
+    if isinstance(gait, ZmpGait):
+        return generate_com(robot, tasks, gait.com)
+    if tasks.com is None:
+        raise TypeError(f"a plan for motion {gait.motion} has to say where the CoM goes")
+    return follow_com(tasks.com, tasks.dt)
 
 
 def filter_passes(passes: Passes, parameters: ComParameters) -> Filtered:

@@ -24,6 +24,7 @@ from mgs.core.geometry import (
 from mgs.core.scene import Scene
 from mgs.motion import Motion
 from mgs.motion.dynamics import align_quaternion_signs
+from mgs.motion.provenance import provenance_of_sequence
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,8 +128,7 @@ def join(motions: list[Motion]) -> Motion:
             v[k] = pin.difference(model, q[k - 1], q[k + 1]) / (2.0 * first.dt)
     align_quaternion_signs(q[:, 3:7])
     footsteps = (*first.footsteps, *(step for m in motions[1:] for step in m.footsteps[2:]))
-    solvers = list(dict.fromkeys(str(m.solver["solver"]) for m in motions))
-    solver: dict[str, object] = {"solver": ", ".join(solvers), "parts": [m.solver for m in motions]}
+    provenance = provenance_of_sequence([m.provenance for m in motions])
     scene = Scene(
         boxes=tuple(dict.fromkeys(box for m in motions for box in m.scene.boxes)),
         balls=tuple(
@@ -137,4 +137,6 @@ def join(motions: list[Motion]) -> Motion:
             for ball in m.scene.balls
         ),
     )
-    return dataclasses.replace(first, footsteps=footsteps, solver=solver, scene=scene, **arrays)
+    return dataclasses.replace(
+        first, footsteps=footsteps, provenance=provenance, scene=scene, **arrays
+    )

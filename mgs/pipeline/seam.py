@@ -11,15 +11,18 @@ import dataclasses
 
 import numpy as np
 
+import mgs
 from mgs.com_generator.from_positions import follow_com
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.core.contact import Side, Support
 from mgs.core.errors import InfeasibleGaitError, SeamError
 from mgs.core.geometry import quintic, rotation_angles
+from mgs.core.plugins import Origin
 from mgs.core.scene import EMPTY
 from mgs.ik_solver.tree.transition import bridge_postures
 from mgs.motion import Motion
+from mgs.motion.provenance import Provenance
 from mgs.pipeline.assemble import assemble
 from mgs.pipeline.stages import Stages
 from mgs.trajectory_planner import TaskTrajectory
@@ -114,5 +117,7 @@ def transition(before: Motion, stages: Stages, part: str, duration: float) -> Mo
         motion,
         footsteps=after.footsteps[:2],
         scene=EMPTY,
-        solver={"solver": "bridge", "transition": duration},
+        provenance=Provenance(
+            Origin("bridge", "mgs", mgs.__version__), tuning={"transition": duration}
+        ),
     )

@@ -16,10 +16,10 @@ from mgs.gait import Gait, KickGait, SequenceGait, SingleGait, ZmpGait
 from mgs.ik_solver import JointTrajectory, refuse_speed
 from mgs.motion import Motion
 from mgs.motion.dynamics import analyse, place_lowest
+from mgs.motion.provenance import FilterReport
 from mgs.motion_planner import MotionPlan, for_robot, plan_motion
 from mgs.pipeline.assemble import assemble
 from mgs.pipeline.dynamic_filter import Passes, filter_passes
-from mgs.pipeline.filter_report import FilterReport
 from mgs.pipeline.timing import timed
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories

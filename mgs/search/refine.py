@@ -28,6 +28,7 @@ from mgs.ik_solver import solve_ik
 from mgs.judge.motion_checks import check_motion
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
+from mgs.motion.provenance import Corrections
 from mgs.pipeline import Stages, assemble, run_stages
 from mgs.sim import EngineName, Replay, ServoName, replay
 from mgs.sim.measure import Touchdowns, touchdowns
@@ -165,8 +166,10 @@ def refine(
             continue
         best, trials, com, deviation = candidate, now, next_com, next_deviation
     if parts := [attempt.part for attempt in tried if attempt.kept]:
-        refined = {"parts": parts, "engines": list(engines)}
-        best = dataclasses.replace(best, solver={**best.solver, "refined": refined})
+        refined = Corrections(tuple(parts), tuple(engines))
+        best = dataclasses.replace(
+            best, provenance=dataclasses.replace(best.provenance, refined=refined)
+        )
     return Refinement(best, before, tuple(tried))
 
 

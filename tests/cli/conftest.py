@@ -37,7 +37,7 @@ def falling_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     gait = load_gait(SHORT_WALK[0], (*assignments, "walk.step_length=0.0"))
     plan = plan_motion(robot, gait)
     tasks = plan_trajectories(plan)
-    com = generate_com(tasks, gait.com, robot)
+    com = generate_com(robot, tasks, gait.com)
     lean = 0.07 * quintic(np.clip(np.arange(tasks.n_samples) * gait.dt, 0.0, 1.0))
     com = dataclasses.replace(com, position=com.position + np.outer(lean, [1.0, 0.0, 0.0]))
     joints = solve_ik(robot, tasks, com, gait.ik)

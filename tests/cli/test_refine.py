@@ -26,7 +26,7 @@ def test_a_better_motion_is_written_and_told(walk_file: Path, tmp_path: Path):
     assert result.exit_code == (0 if told["improved"] else 1)
     assert told["improved"], told  # a short walk on soft servos leaves much to learn
     assert told["after"][0]["tilt_rms_deg"] < told["before"][0]["tilt_rms_deg"]
-    assert read_motion(path).solver["refined"]["engines"] == ["mujoco"]
+    assert read_motion(path).provenance.refined.engines == ("mujoco",)
     again = run("refine", walk_file, *QUICK, "-o", path)
     assert again.exit_code == 1
     assert "use --force to replace it" in again.output

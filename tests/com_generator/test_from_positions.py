@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from numpy.testing import assert_allclose
 
-from mgs.com_generator import generate_com
 from mgs.com_generator.from_positions import follow_com
 from mgs.motion_planner import plan_motion
+from mgs.pipeline import first_com
 from mgs.robot import load_robot
 from mgs.trajectory_planner import plan_trajectories
 from tests.support.strategies import balance_gait, numbers, sine
@@ -92,8 +92,9 @@ def test_at_rest_the_zmp_is_below_the_com():
 @pytest.mark.parametrize("com_height", [None, 0.25])
 def test_a_balance_motion_needs_no_parameters_of_the_preview_control(com_height: float | None):
     gait = balance_gait(sine("com_y", 0.02), com_height=com_height)
-    tasks = plan_trajectories(plan_motion(load_robot("melson"), gait))
-    com = generate_com(tasks, None)
+    robot = load_robot("melson")
+    tasks = plan_trajectories(plan_motion(robot, gait))
+    com = first_com(robot, gait, tasks)
     assert tasks.com is not None
     assert np.array_equal(com.position, tasks.com)
     for k in (0, -1):

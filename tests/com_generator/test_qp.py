@@ -33,7 +33,7 @@ def tasks_of(robot: Robot, **walk: object) -> TaskTrajectory:
 
 
 def bounded(robot: Robot, tasks: TaskTrajectory, **com: float) -> ComTrajectory:
-    return generate_com(tasks, ComParameters(generator="qp", **com), robot)
+    return generate_com(robot, tasks, ComParameters(generator="qp", **com))
 
 
 def margins_of(robot: Robot, tasks: TaskTrajectory, zmp: np.ndarray) -> np.ndarray:
@@ -205,7 +205,7 @@ def test_it_moves_from_rest_to_rest_as_a_cart_on_a_table(melson: Robot):
 def test_a_stiff_qp_and_a_stiff_preview_control_agree(melson: Robot):
     tasks = plan_trajectories(plan_motion(melson, load_gait("melson/walk_practical")))
     qp = bounded(melson, tasks, weight_jerk=1e-10)
-    preview = generate_com(tasks, ComParameters(weight_jerk=1e-10))
+    preview = generate_com(melson, tasks, ComParameters(weight_jerk=1e-10))
     assert_allclose(qp.position, preview.position, atol=5e-5)
 
 
@@ -245,9 +245,9 @@ def test_the_dynamic_filter_brings_the_whole_robots_zmp_to_that_of_the_qp(melson
     stages = run_stages(melson, gait)
     planned = bounded(melson, stages.tasks, margin=0.02, weight_jerk=1e-5).zmp
     error = np.linalg.norm(stages.motion.zmp - planned, axis=1)
-    report = stages.motion.solver["zmp_error"]
-    assert_allclose(error.mean(), report["after"]["mean"], rtol=1e-9)
-    assert error.mean() < report["before"]["mean"] / 15.0
+    report = stages.motion.provenance.zmp_error
+    assert_allclose(error.mean(), report.after.mean, rtol=1e-9)
+    assert error.mean() < report.before.mean / 15.0
     margins = margins_of(melson, stages.tasks, stages.motion.zmp)
     assert margins.min() > 0.02 - error.max()
     assert margins.min() > 0.0175

@@ -125,6 +125,7 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
             "margin": 0.0,
             "passes": 3,
             "zmp_tolerance": 2e-4,
+            "parameters": {},
         },
         "ik": {
             "solver": "clik",
@@ -162,6 +163,7 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
                 "iterations": 20,
                 "tolerance": 1e-3,
             },
+            "parameters": {},
         },
     }
 

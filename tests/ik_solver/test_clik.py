@@ -7,15 +7,16 @@ import pinocchio as pin
 import pytest
 from numpy.testing import assert_allclose
 
-from mgs.com_generator import ComTrajectory, generate_com
+from mgs.com_generator import ComTrajectory
 from mgs.core.contact import Side, Support
 from mgs.core.errors import ConfigError, IkError, InfeasibleGaitError, JointLimitError
-from mgs.gait import Gait, IkParameters, WalkGait, load_gait
-from mgs.ik_solver import SOLVERS, JointTrajectory, solve_ik
+from mgs.core.plugins import IK_SOLVERS
+from mgs.gait import Gait, IkParameters, load_gait
+from mgs.ik_solver import JointTrajectory, solve_ik
 from mgs.ik_solver.clik import ClosedLoopIk, gravity_gain_profile, rest_profile
 from mgs.ik_solver.tree.tasks import TreeTasks
 from mgs.motion_planner import plan_motion
-from mgs.pipeline import Stages, run_stages
+from mgs.pipeline import Stages, first_com, run_stages
 from mgs.robot import Robot, build_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 from tests.support.strategies import balance_gait, constant, figure_eight, sine, walk_gait
@@ -25,7 +26,7 @@ SHORT = {"n_steps": 2, "step_length": 0.05, "first_support": "left", "double_sup
 
 def inputs(robot: Robot, gait: Gait) -> tuple[TaskTrajectory, ComTrajectory]:
     tasks = plan_trajectories(plan_motion(robot, gait))
-    return tasks, generate_com(tasks, gait.com if isinstance(gait, WalkGait) else None)
+    return tasks, first_com(robot, gait, tasks)
 
 
 def solve(robot: Robot, gait: Gait) -> JointTrajectory:
@@ -506,7 +507,7 @@ def test_progress_is_told_up_to_the_last_sample(melson: Robot):
     assert [done for done, _ in told] == sorted(done for done, _ in told)
 
 
-@pytest.mark.parametrize("name", SOLVERS)
+@pytest.mark.parametrize("name", IK_SOLVERS.own)
 def test_every_solver_meets_the_tasks(melson: Robot, name: str):
     gait = walk_gait(**SHORT, ik={"solver": name})
     stages = run_stages(melson, gait)

@@ -17,15 +17,16 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import minimize
 
-from mgs.com_generator import ComTrajectory, generate_com
+from mgs.com_generator import ComTrajectory
 from mgs.core.contact import Side, Support
 from mgs.core.errors import ConfigError, IkError, JointLimitError
-from mgs.gait import BalanceGait, FarajiParameters, Gait, IkParameters, WalkGait
+from mgs.gait import BalanceGait, FarajiParameters, Gait, IkParameters
 from mgs.ik_solver import solve_ik
 from mgs.ik_solver.hard_soft import FarajiIk, FarajiRun
 from mgs.ik_solver.qp import kkt_residual
 from mgs.ik_solver.residuals import measure_tasks
 from mgs.motion_planner import plan_motion
+from mgs.pipeline import first_com
 from mgs.robot import Robot, load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 from tests.support.strategies import walk_gait
@@ -80,7 +81,7 @@ def squat(
 
 def inputs(robot: Robot, gait: Gait) -> tuple[TaskTrajectory, ComTrajectory]:
     tasks = plan_trajectories(plan_motion(robot, gait))
-    return tasks, generate_com(tasks, gait.com if isinstance(gait, WalkGait) else None)
+    return tasks, first_com(robot, gait, tasks)
 
 
 def started(robot: Robot, gait: Gait, **changes: Any) -> FarajiRun:

@@ -9,10 +9,10 @@ import pinocchio as pin
 import pytest
 from numpy.testing import assert_allclose
 
-from mgs.com_generator import ComTrajectory, generate_com
+from mgs.com_generator import ComTrajectory
 from mgs.core.contact import Side, Support
 from mgs.core.errors import ConfigError, IkError, JointLimitError
-from mgs.gait import Gait, WalkGait, load_gait
+from mgs.gait import Gait, load_gait
 from mgs.ik_solver import JointTrajectory, solve_ik
 from mgs.ik_solver.floating.constraints import (
     base_velocity,
@@ -27,7 +27,7 @@ from mgs.ik_solver.prioritized import PrioritizedIk, PrioritizedRun
 from mgs.ik_solver.residuals import measure_tasks
 from mgs.judge.motion_checks import check_motion
 from mgs.motion_planner import plan_motion
-from mgs.pipeline import Stages, run_stages
+from mgs.pipeline import Stages, first_com, run_stages
 from mgs.robot import Robot, load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 
@@ -56,7 +56,7 @@ def jacobian(robot: Robot, q: np.ndarray, parts: tuple[str, ...] = PARTS) -> np.
 
 def inputs(robot: Robot, gait: Gait) -> tuple[TaskTrajectory, ComTrajectory]:
     tasks = plan_trajectories(plan_motion(robot, gait))
-    return tasks, generate_com(tasks, gait.com if isinstance(gait, WalkGait) else None)
+    return tasks, first_com(robot, gait, tasks)
 
 
 def walk_through(robot: Robot, gait: Gait) -> PrioritizedRun:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from mgs.core.errors import InfeasibleGaitError
+from mgs.core.plugins import IK_SOLVERS
 from mgs.gait import load_gait
-from mgs.ik_solver import SOLVERS
 from mgs.ik_solver.solve import solve_ik
 from mgs.pipeline import Stages
 from mgs.robot import Robot
@@ -23,6 +23,6 @@ def test_arithmetic_that_breaks_down_becomes_a_message_with_a_remedy(
         raise error
 
     gait = load_gait("melson/walk_5cm", ("ik.solver=ik2",))
-    monkeypatch.setattr(SOLVERS["ik2"], "solve", breaks)
+    monkeypatch.setattr(IK_SOLVERS.load("ik2"), "solve", breaks)
     with pytest.raises(InfeasibleGaitError, match=rf"ik2: {error}; .* take ik4"):
         solve_ik(melson, walk_5cm.tasks, walk_5cm.com, gait.ik)

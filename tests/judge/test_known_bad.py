@@ -57,7 +57,7 @@ def draft(plan_change: Callable[[MotionPlan], MotionPlan] = lambda plan: plan) -
     robot = load_robot("melson")
     plan = plan_change(plan_motion(robot, GAIT))
     tasks = plan_trajectories(plan)
-    return Draft(robot, GAIT, plan, tasks, generate_com(tasks, GAIT.com, robot))
+    return Draft(robot, GAIT, plan, tasks, generate_com(robot, tasks, GAIT.com))
 
 
 @pytest.fixture(scope="module")
@@ -246,6 +246,6 @@ def test_an_ik_error_carries_time_task_and_distance() -> None:
         draft_gait = load_gait("melson/walk_practical", ("walk.step_length=0.3",))
         robot = load_robot("melson")
         tasks = plan_trajectories(plan_motion(robot, draft_gait))
-        solve_ik(robot, tasks, generate_com(tasks, draft_gait.com, robot), draft_gait.ik)
+        solve_ik(robot, tasks, generate_com(robot, tasks, draft_gait.com), draft_gait.ik)
     assert 0.0 < caught.value.t < 10.0
     assert caught.value.residual > caught.value.tolerance

@@ -36,8 +36,10 @@ from rosbags.typesys import Stores, get_typestore
 from mgs import motion_file
 from mgs.core.contact import Footstep, Side, Support
 from mgs.core.errors import MgsError, MotionFileError, OutputExistsError
+from mgs.core.plugins import Origin
 from mgs.gait import BalanceGait
 from mgs.motion import Motion
+from mgs.motion.provenance import Corrections, FilterReport, Provenance, ZmpError
 from mgs.motion.servo_commands import servo_commands
 from mgs.motion_file import read_info, read_motion, write_motion
 from mgs.motion_file.cdr import message_layout
@@ -89,7 +91,15 @@ def random_motion(robot: Robot, n_samples: int = 25, seed: int = 0) -> Motion:
         hands_ref=numbers(2, 3),
         torso=numbers(7),
         torso_ref=numbers(4),
-        solver={"name": "clik", "gamma_joint": 0.35, "iterations": None, "weights": [1.0, 1e-6]},
+        provenance=Provenance(
+            Origin("clik", "mgs", "0.3"),
+            Origin("qp", "elsewhere", "1.0"),
+            tuning={"gamma_joint": 0.35, "iterations": None, "weights": [1.0, 1e-6]},
+            report={"newton_updates": 3},
+            zmp_error=FilterReport(ZmpError(1e-3, 2e-3), ZmpError(1e-4, 2e-4), 2),
+            refined=Corrections((0.5, 0.25), ("mujoco",)),
+            parts=(Provenance(Origin("ik4", "mgs", "0.3")),),
+        ),
     )
 
 
@@ -97,7 +107,7 @@ def assert_same(a: Motion, b: Motion) -> None:
     for name in (*ARRAYS, *SIDED, "support"):
         x, y = getattr(a, name), getattr(b, name)
         assert (x.dtype, x.shape, x.tobytes()) == (y.dtype, y.shape, y.tobytes()), name
-    for name in ("gait", "gait_name", "dt", "footsteps", "solver"):
+    for name in ("gait", "gait_name", "dt", "footsteps", "provenance"):
         assert getattr(a, name) == getattr(b, name), name
     assert (a.robot.yaml, a.robot.urdf) == (b.robot.yaml, b.robot.urdf)
     assert a.robot.joint_names == b.robot.joint_names
@@ -183,7 +193,7 @@ def test_a_generated_balance_motion_comes_back_though_nothing_is_asked_of_its_ha
     melson: Robot, tmp_path: Path
 ) -> None:
     motion = run_stages(melson, balance_gait(sine("com_y", 0.02))).motion
-    assert motion.solver["newton_updates"] >= 0
+    assert motion.provenance.report["newton_updates"] >= 0
     write_motion(motion, tmp_path / "a.mcap")
     assert_same(read_motion(tmp_path / "a.mcap"), motion)
 
@@ -205,7 +215,7 @@ def test_what_is_in_a_file_is_told_without_decoding_messages(motion: Motion, fil
     assert info["bytes"] == file.stat().st_size
     assert [a["name"] for a in info["attachments"]] == ["gait.yaml", "robot.yaml", "robot.urdf"]
     values = info["metadata"]
-    assert values["solver"] == motion.solver
+    assert values["solver"] == json.loads(json.dumps(motion.provenance.to_dict()))
     assert values["mass"] == motion.robot.mass
     assert (values["gait"], values["dt"]) == (motion.gait_name, motion.dt)
 
@@ -679,7 +689,7 @@ def test_sealing_changes_nothing_in_a_sound_file() -> None:
         (b"/com_reference", b"/com_referance", "/com_reference is missing"),
         (b"/msg/PointStamped", b"/msg/PointStampet", "not geometry_msgs/PointStamped"),
         (b"gait.yaml", b"gate.yaml", "gait.yaml is missing"),
-        (b"schema_version\x01\0\0\x002", b"schema_version\x01\0\0\x001", "format '1'"),
+        (b"schema_version\x01\0\0\x003", b"schema_version\x01\0\0\x001", "format '1'"),
         (b"0.0123", b"0.0124", "not in step with dt"),
         (b"0.0123", b"-0.123", "dt"),
         (b"step_length: 0.3", b"step_longth: 0.3", "did you mean 'step_length'"),

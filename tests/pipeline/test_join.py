@@ -33,10 +33,8 @@ def still() -> Motion:
     widths = {"com": 3, "com_ref": 3, "zmp": 2, "zmp_ref": 2, "torque": MELSON.n, "torso_ref": 4}
     arrays = {name: np.zeros((n, width)) for name, width in widths.items()}
     hands = {"hands": np.zeros((n, 2, 7)), "hands_ref": np.zeros((n, 2, 3))}
-    scene, solver = Scene((BOX,), (BALL,)), {"solver": "none"}
-    return dataclasses.replace(
-        motion, torso=np.zeros((n, 7)), solver=solver, scene=scene, **arrays, **hands
-    )
+    scene = Scene((BOX,), (BALL,))
+    return dataclasses.replace(motion, torso=np.zeros((n, 7)), scene=scene, **arrays, **hands)
 
 
 @settings(max_examples=20)

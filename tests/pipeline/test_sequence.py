@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from mgs.core.errors import ConfigError, InfeasibleGaitError, SeamError
+from mgs.core.plugins import IK_SOLVERS
 from mgs.gait import SequenceGait, SingleGait, load_gait
-from mgs.ik_solver.solve import SOLVERS
 from mgs.judge.motion_checks import check_motion
 from mgs.motion import Motion
 from mgs.pipeline import generate, run_stages
@@ -144,7 +144,7 @@ def test_a_sequence_of_one_part_is_that_part():
     assert motion.footsteps == alone.footsteps
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", IK_SOLVERS.own)
 def test_every_solver_begins_with_the_joints_that_it_is_given(solver: str):
     gait = quick_walk(step_length=0.03, dt=0.01, ik={"solver": solver})
     alone = run_stages(MELSON, gait).motion.q[:, 7:]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import asdict
 
 import numpy as np
 import pinocchio as pin
@@ -10,12 +11,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from numpy.testing import assert_allclose, assert_array_equal
 
+import mgs
 import mgs.pipeline.dynamic_filter
 from mgs.com_generator import ComTrajectory, correct_com, generate_com
 from mgs.core.contact import Side
 from mgs.core.errors import ConfigError, FootstepError, InfeasibleGaitError, MgsError
+from mgs.core.plugins import IK_SOLVERS, Origin
 from mgs.gait import ComParameters, Gait, load_gait
-from mgs.ik_solver.solve import SOLVERS
 from mgs.judge.motion_checks import zmp_margins
 from mgs.motion import Motion
 from mgs.pipeline import Stages, run_stages
@@ -63,7 +65,7 @@ def test_a_motion_holds_every_stage_at_every_sample(shipped):
     assert np.array_equal(motion.zmp_ref, stages.tasks.zmp_ref)
     assert np.array_equal(motion.soles_ref, stages.tasks.soles)
     assert motion.footsteps == stages.plan.footsteps
-    assert motion.solver["solver"] == shipped.gait.ik.solver
+    assert motion.provenance.solver == Origin(shipped.gait.ik.solver, "mgs", mgs.__version__)
 
 
 def test_walk_5cm_takes_12_s(walk_5cm: Stages):
@@ -190,7 +192,7 @@ def filtered(name: str, *settings: str) -> Stages:
 def plan_of(stages: Stages) -> np.ndarray:
     """ZMP (N, 2) that the walk was planned with, before any pass of the filter."""
     gait = stages.motion.gait
-    first = generate_com(stages.tasks, gait.com, stages.motion.robot)
+    first = generate_com(stages.motion.robot, stages.tasks, gait.com)
     return first.zmp if gait.com.generator == "qp" else stages.tasks.zmp_ref
 
 
@@ -218,9 +220,9 @@ def test_three_passes_leave_less_than_a_fifteenth_of_the_zmp_error(name: str):
     assert before > 15.0 * after
     margins = [zmp_margins(stages.motion, stages.motion.zmp).min() for stages in runs]
     assert margins[1] > margins[0] + 5e-3  # [m]
-    told = [stages.motion.solver["zmp_error"] for stages in runs]
+    told = [stages.motion.provenance.zmp_error for stages in runs]
     assert_allclose(
-        [told[0]["before"]["mean"], told[1]["after"]["mean"]],
+        [told[0].before.mean, told[1].after.mean],
         [before, after],
         rtol=1e-6,
         atol=1e-9,  # soles are at the height of the ground to that
@@ -230,36 +232,38 @@ def test_three_passes_leave_less_than_a_fifteenth_of_the_zmp_error(name: str):
 def test_by_default_no_shipped_walk_is_off_plan_by_more_than_the_tolerance(shipped_walk):
     motion = shipped_walk.stages.motion
     error = np.linalg.norm(motion.zmp - plan_of(shipped_walk.stages), axis=1)
-    report = motion.solver["zmp_error"]
-    assert report["after"] == pytest.approx({"mean": error.mean(), "max": error.max()}, rel=1e-9)
+    report = motion.provenance.zmp_error
+    assert asdict(report.after) == pytest.approx(
+        {"mean": error.mean(), "max": error.max()}, rel=1e-9
+    )
     tolerance = shipped_walk.gait.com.zmp_tolerance
     assert error.mean() < 1.1 * tolerance
     if tolerance == ComParameters().zmp_tolerance:  # the fastest ask for less and say why
         assert error.max() < 1.1e-3  # [m]
-        assert error.mean() < report["before"]["mean"] / 10.0
+        assert error.mean() < report.before.mean / 10.0
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", IK_SOLVERS.own)
 def test_the_filter_works_with_every_ik_solver(solver: str):
     short = ("walk.n_steps=2", "com.passes=2", "com.zmp_tolerance=1e-6", f"ik.solver={solver}")
-    error = filtered("melson/walk_practical", *short).motion.solver["zmp_error"]
-    assert error["passes"] == 2
-    assert error["after"]["mean"] < error["before"]["mean"] / 10.0
+    error = filtered("melson/walk_practical", *short).motion.provenance.zmp_error
+    assert error.passes == 2
+    assert error.after.mean < error.before.mean / 10.0
 
 
 def test_without_passes_the_com_is_stage_3s_own(melson: Robot):
     stages = filtered("melson/walk_5cm", "com.passes=0")
-    com = generate_com(stages.tasks, load_gait("melson/walk_5cm").com)
+    com = generate_com(melson, stages.tasks, load_gait("melson/walk_5cm").com)
     assert_array_equal(stages.com.position, com.position)
-    error = stages.motion.solver["zmp_error"]
-    assert error["passes"] == 0 and error["before"] == error["after"]
+    error = stages.motion.provenance.zmp_error
+    assert error.passes == 0 and error.before == error.after
 
 
 def test_passes_end_at_the_tolerance():
-    loose = filtered("melson/walk_5cm", "com.zmp_tolerance=0.001").motion.solver["zmp_error"]
-    assert loose["passes"] == 0 and loose["after"]["mean"] < 1e-3
-    fine = filtered("melson/walk_5cm", "com.zmp_tolerance=2e-5").motion.solver["zmp_error"]
-    assert 1 < fine["passes"] <= 3
+    loose = filtered("melson/walk_5cm", "com.zmp_tolerance=0.001").motion.provenance.zmp_error
+    assert loose.passes == 0 and loose.after.mean < 1e-3
+    fine = filtered("melson/walk_5cm", "com.zmp_tolerance=2e-5").motion.provenance.zmp_error
+    assert 1 < fine.passes <= 3
 
 
 @pytest.mark.parametrize("failure", ["worse", "infeasible"])
@@ -279,14 +283,15 @@ def test_a_pass_that_fails_leaves_the_best_one(monkeypatch, failure: str, good_p
     monkeypatch.setattr(mgs.pipeline.dynamic_filter, "correct_com", correct)
     found = filtered("melson/walk_practical").motion
     assert len(done) == good_passes + 1
-    assert found.solver == expected.solver
+    assert found.provenance.report == expected.provenance.report
+    assert found.provenance.zmp_error == expected.provenance.zmp_error
     assert_array_equal(found.q, expected.q)
     assert_array_equal(found.com_ref, expected.com_ref)
 
 
 def test_a_balance_motion_has_no_planned_zmp_to_be_off(melson: Robot):
     motion = run_stages(melson, balance_gait(sine("com_y", 0.02))).motion
-    assert "zmp_error" not in motion.solver
+    assert motion.provenance.zmp_error is None
 
 
 def test_progress_counts_every_pass_and_never_goes_back(melson: Robot):

@@ -10,8 +10,8 @@ import pytest
 
 from mgs.core.contact import Side
 from mgs.core.errors import ConfigError
+from mgs.core.plugins import IK_SOLVERS
 from mgs.gait import load_gait
-from mgs.ik_solver import SOLVERS
 from mgs.motion_planner import plan_motion
 from mgs.pipeline import run_stages
 from mgs.robot import Robot, leg_joints, load_robot
@@ -77,7 +77,7 @@ def test_steps_that_need_the_turn_are_refused(
         plan_motion(robot, load_gait("walk", (assignment,)))
 
 
-@pytest.mark.parametrize("solver", [name for name in SOLVERS if name != "clik"])
+@pytest.mark.parametrize("solver", [name for name in IK_SOLVERS.own if name != "clik"])
 def test_only_clik_does_without_the_turn(solver: str, tmp_path: Path):
     robot = robot_with(FULL_LEG[1:], tmp_path)
     with pytest.raises(ConfigError, match="use clik"):

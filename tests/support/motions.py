@@ -6,10 +6,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+import mgs
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.core.contact import Footstep, Side, Support
+from mgs.core.plugins import Origin
 from mgs.gait import parse_gait
 from mgs.motion import Motion
+from mgs.motion.provenance import Provenance
 from mgs.robot import Robot
 
 Array = NDArray[np.float64]
@@ -46,7 +49,7 @@ def motion_of(robot: Robot, q: Array) -> Motion:
         hands_ref=none,
         torso=none,
         torso_ref=none,
-        solver={},
+        provenance=Provenance(Origin("none", "mgs", mgs.__version__)),
     )
 
 

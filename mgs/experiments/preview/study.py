@@ -68,7 +68,7 @@ def solve(progress: Progress | None = None) -> Study:
     answers = {weight: follow(servo, step) for weight, servo in servos.items()}
     fast = plan_trajectories(plan_motion(robot, load_gait(GAIT, FAST)))
     fast_zmp = {
-        weight: generate_com(fast, servo.parameters).zmp for weight, servo in servos.items()
+        weight: generate_com(robot, fast, servo.parameters).zmp for weight, servo in servos.items()
     }
     zmps = {weight: zmp for weight, (zmp, _) in answers.items()}
     if progress is not None:

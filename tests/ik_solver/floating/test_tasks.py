@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 from numpy.testing import assert_allclose
 
-from mgs.com_generator import generate_com
+from mgs.com_generator import follow_com, generate_com
 from mgs.core.contact import Side
 from mgs.gait import BalanceGait, Gait, load_gait
 from mgs.ik_solver.floating.tasks import SIZES, BodyTasks, body_targets, parts_of
@@ -183,7 +183,12 @@ def test_a_step_of_J_pinv_times_the_error_comes_closer(robot: Robot):
 
 
 def assert_steps_lead_along(parts: tuple[str, ...], tasks: TaskTrajectory) -> None:
-    com = generate_com(tasks, None if tasks.com is not None else load_gait("melson/walk_5cm").com)
+    walk = load_gait("melson/walk_5cm")
+    com = (
+        generate_com(load_robot("melson"), tasks, walk.com)
+        if tasks.com is None
+        else follow_com(tasks.com, tasks.dt)
+    )
     targets = body_targets(parts, tasks, com)
     assert not targets.steps[0].any()
     start, turning = 0, 0
@@ -231,7 +236,7 @@ def test_targets_are_those_of_the_stages_before():
     robot = load_robot("melson")
     gait = load_gait("melson/walk_5cm")
     tasks = plan(robot, gait)
-    com = generate_com(tasks, gait.com)
+    com = generate_com(robot, tasks, gait.com)
     targets = body_targets(("right_hand", "left_sole", "com_xy", "com_z", "torso"), tasks, com)
     for k in (0, 300, 600, len(targets.x) - 1):
         x = targets.x[k]

@@ -310,7 +310,7 @@ def test_off_is_what_yaml_makes_of_it():
 
 def test_loads_of_a_motion_are_made_without_touching_it(melson: Robot):
     tasks = plan_trajectories(plan_motion(melson, walk_gait(n_steps=1)))
-    com: ComTrajectory = generate_com(tasks, walk_gait(n_steps=1).com)
+    com: ComTrajectory = generate_com(melson, tasks, walk_gait(n_steps=1).com)
     before = tasks.soles.copy(), com.position.copy()
     StaticLoads(melson, tasks, com, "optimal")
     assert np.array_equal(before[0], tasks.soles) and np.array_equal(before[1], com.position)
