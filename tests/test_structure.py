@@ -143,6 +143,16 @@ def test_importing_the_command_line_loads_no_heavy_library(name: str):
     assert run.stdout.split() == []
 
 
+def test_importing_the_planners_loads_no_scipy():
+    """Few motions need it, and it takes as long to import as the rest of the planners."""
+    code = "import sys, mgs.trajectory_planner; print(*{m.split('.')[0] for m in sys.modules})"
+    run = subprocess.run(
+        [sys.executable, "-c", code], cwd=PACKAGE.parent, capture_output=True, text=True, timeout=60
+    )
+    assert run.returncode == 0, run.stderr
+    assert "scipy" not in run.stdout.split()
+
+
 def test_importing_the_pipeline_loads_neither_engines_nor_plots():
     code = "import sys, mgs.pipeline; print(*{m.split('.')[0] for m in sys.modules})"
     run = subprocess.run(

@@ -20,7 +20,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from mgs.core.arrays import Array
 from mgs.core.errors import InfeasibleGaitError
@@ -105,6 +104,8 @@ class _Search:
         return joints
 
     def _minimise(self, start: Array, goals: Array, hands_hard: bool) -> Array:
+        from scipy.optimize import minimize  # slow to import, needed by few motions
+
         parts = _Parts(lambda x: self._parts(x, goals, hands_hard))
         result = minimize(
             lambda x: float(np.sum(parts.value(x, 0) ** 2)),

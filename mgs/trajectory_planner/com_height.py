@@ -8,7 +8,6 @@ spare.
 from __future__ import annotations
 
 import numpy as np
-from scipy.ndimage import minimum_filter1d, uniform_filter1d
 
 from mgs.core.arrays import Array
 from mgs.core.contact import Side
@@ -32,6 +31,8 @@ def height_within_reach(
         reach: of the legs.
         dt: sampling period [s].
     """
+    from scipy.ndimage import minimum_filter1d, uniform_filter1d  # slow to import, rarely needed
+
     limit = asked.copy()
     for side in Side:
         hip = zmp + rotate_planar(np.broadcast_to(reach.hips[side, :2], zmp.shape), heading)
