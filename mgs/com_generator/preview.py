@@ -9,8 +9,10 @@ One horizontal axis, state x = (c, dc/dt, d2c/dt2), jerk u held over dt:
     u[k]   = -G_i s[k] - G_x x[k] - w[k]
     s[k]   = s[k-1] + p[k] - p_ref[k]   w[k] = sum_{j=1..N} G_p[j] p_ref[k+j]
 
-Everything but w is a fixed linear recurrence, so the whole trajectory is one banded triangular
-system in the unknowns (x[k], s[k]), solved by LAPACK for both axes at once.
+Everything but w is a fixed linear recurrence, y[k+1] = M y[k] + f[k] with y[k] = (x[k], s[k]), so
+that the whole trajectory is a sum of powers of M. It is taken for all samples and both axes at
+once by recursive doubling: Kogge and Stone, "A parallel algorithm for the efficient solution of a
+general class of recurrence equations", IEEE Transactions on Computers C-22(8), 1973.
 """
 
 from __future__ import annotations
@@ -19,10 +21,9 @@ import functools
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
-from scipy.linalg import lapack
 
 from mgs.com_generator.com_trajectory import ComTrajectory
+from mgs.com_generator.riccati import solve_riccati
 from mgs.core.arrays import Array
 from mgs.core.constants import GRAVITY
 from mgs.core.errors import ConfigError, InfeasibleGaitError
@@ -31,6 +32,8 @@ from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
 
 REST_SPEED, REST_DISTANCE = 2e-3, 1e-3  # [m/s], [m] at which the CoM counts as at rest at the end
+SLOWEST = 60.0  # [s], the longest rest that a gait may have
+FORGOTTEN = 1e-30  # share of a state that is left when nothing of it matters any more
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,13 +70,14 @@ def preview_gains(
     At = np.block([[np.ones((1, 1)), C[None] @ A], [np.zeros((3, 1)), A]])
     Bt = np.concatenate([[C @ B], B])[:, None]
     Qt = np.diag([1.0, 0.0, 0.0, 0.0])
-    ratio = weight_jerk / weight_error  # all that matters; the Riccati solver wants it balanced
-    K = _riccati(At, Bt, Qt, ratio, f"dt = {dt} s, com_height = {com_height} m")
+    ratio = weight_jerk / weight_error  # nothing else matters
+    what = f"dt = {dt} s, com_height = {com_height} m"
+    K = _riccati(At, Bt, Qt, ratio, what)
     denominator = ratio + float(Bt[:, 0] @ K @ Bt[:, 0])
     G = (Bt.T @ K @ At)[0] / denominator
     Ac = At - Bt * G
-    if not np.all(np.abs(np.linalg.eigvals(Ac)) < 1.0):
-        raise _no_gain(f"dt = {dt} s, com_height = {com_height} m", "closed loop unstable")
+    if not np.all(np.abs(np.linalg.eigvals(Ac)) < np.exp(-dt / SLOWEST)):
+        raise _no_gain(what, f"the CoM would come to rest with a time constant above {SLOWEST:g} s")
     G_p = np.empty(max(1, round(preview / dt)))
     G_p[0] = -G[0]
     X = -Ac.T @ K[:, 0]
@@ -85,8 +89,8 @@ def preview_gains(
 
 def _riccati(At: Array, Bt: Array, Qt: Array, R: float, what: str) -> Array:
     try:
-        return np.asarray(scipy.linalg.solve_discrete_are(At, Bt, Qt, np.array([[R]])))
-    except (np.linalg.LinAlgError, ValueError) as error:
+        return solve_riccati(At, Bt, Qt, R)
+    except np.linalg.LinAlgError as error:
         raise _no_gain(what, str(error)) from error
 
 
@@ -154,28 +158,30 @@ def respond(
 def _closed_loop(gains: PreviewGains, zmp_ref: Array) -> Array:
     """States (N, 3, 2) of both axes under preview control, from rest at the origin.
 
-    Unknowns in the order (x[0], s[0], x[1], s[1], ...), four to a sample; row by row
+    With y[k] = (x[k], s[k]) and s[k+1] = s[k] + C x[k+1] - p_ref[k+1]:
 
-        x[k+1] - (A - B G_x) x[k] + B G_i s[k] = -B w[k]
-        s[k+1] - C x[k+1] - s[k]               = -p_ref[k+1]
+        y[k+1] = M y[k] + (-B w[k], -C B w[k] - p_ref[k+1])
+        M = ((A - B G_x, -B G_i), (C (A - B G_x), 1 - C B G_i))
     """
-    n, width = len(zmp_ref), 6
-    coupling = np.column_stack([gains.A - np.outer(gains.B, gains.G_x), -gains.B * gains.G_i])
-    band = np.zeros((width + 1, n, 4))  # band[i - j, column j] = entry (i, j), as LAPACK stores it
-    band[0] = 1.0
-    for row in range(3):
-        for column in range(4):
-            band[4 + row - column, :-1, column] = -coupling[row, column]
-        band[3 - row, :, row] = -gains.C[row]
-    band[4, :-1, 3] = -1.0
-    rhs = np.zeros((n, 4, 2))
-    rhs[1:, :3] = -gains.B[None, :, None] * _preview_sums(gains.G_p, zmp_ref)[:-1, None]
-    rhs[:, 3] = -zmp_ref
-    solution, info = lapack.dtbtrs(
-        band.reshape(width + 1, 4 * n), rhs.reshape(4 * n, 2), uplo="L", diag="U"
-    )
-    assert info == 0  # a unit diagonal has no zero pivot
-    return np.ascontiguousarray(solution).reshape(n, 4, 2)[:, :3]
+    rows = np.column_stack([gains.A - np.outer(gains.B, gains.G_x), -gains.B * gains.G_i])  # of x
+    M = np.vstack([rows, gains.C @ rows + [0.0, 0.0, 0.0, 1.0]])
+    jerk = _preview_sums(gains.G_p, zmp_ref)[:-1, :, None]
+    y = np.zeros((*zmp_ref.shape, 4))  # (N, 2, 4)
+    y[1:] = -jerk * np.append(gains.B, gains.C @ gains.B)
+    y[..., 3] -= zmp_ref
+    return np.ascontiguousarray(np.swapaxes(_accumulate(M, y)[..., :3], 1, 2))
+
+
+def _accumulate(M: Array, f: Array) -> Array:
+    """Sequence y (N, 2, m) with y[0] = f[0] and y[k] = M y[k-1] + f[k]; M (m, m), f (N, 2, m).
+
+    After i rounds y[k] is the sum of M^j f[k-j] over j < 2^i; a stable M lets it end early.
+    """
+    y, power, window = f, M, 1
+    while window < len(f) and np.abs(power).max() > FORGOTTEN:
+        y = np.concatenate([y[:window], y[window:] + y[:-window] @ power.T])
+        power, window = power @ power, 2 * window
+    return y
 
 
 def _preview_sums(G_p: Array, zmp_ref: Array) -> Array:

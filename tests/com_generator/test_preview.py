@@ -17,25 +17,19 @@ from mgs.com_generator.preview import follow_zmp, preview_gains
 from mgs.core.errors import ConfigError, InfeasibleGaitError, MgsError
 from mgs.gait import ComParameters
 from mgs.trajectory_planner import TaskTrajectory
-from tests.support.preview import DT, HEIGHT, cart_table, follow, simulate, steps_after
+from tests.support.preview import (
+    DT,
+    HEIGHT,
+    TUNINGS,
+    augmented,
+    cart_table,
+    follow,
+    simulate,
+    steps_after,
+)
 from tests.support.strategies import numbers
 
 GRAVITY = 9.81
-TUNINGS = [
-    (0.01, 0.27, 1.0, 1e-6),
-    (0.01, 0.8, 1.0, 1e-6),
-    (0.005, 0.27, 1.0, 1e-8),
-    (0.02, 0.5, 10.0, 1e-6),
-]
-
-
-def augmented(dt: float, height: float) -> tuple[np.ndarray, np.ndarray]:
-    """The servo's system: sum of errors and increments of the state."""
-    A, B, C = cart_table(dt, height)
-    At = np.zeros((4, 4))
-    At[0, 0], At[0, 1:], At[1:, 1:] = 1.0, C @ A, A
-    return At, np.concatenate([[C @ B], B])[:, None]
-
 
 # --- optimality -------------------------------------------------------------------------------
 
@@ -129,7 +123,7 @@ def test_gains_are_where_dynamic_programming_ends(dt, height, weight_error, weig
 
 
 @pytest.mark.parametrize(("dt", "height", "weight_error", "weight_jerk"), TUNINGS)
-def test_the_banded_solve_is_a_simulation_step_by_step(dt, height, weight_error, weight_jerk):
+def test_all_samples_at_once_are_a_simulation_step_by_step(dt, height, weight_error, weight_jerk):
     parameters = {"preview": 1.6, "weight_error": weight_error, "weight_jerk": weight_jerk}
     zmp_ref = steps_after(1.8, dt)
     com = follow(zmp_ref, dt, height, **parameters)

@@ -12,6 +12,12 @@ GRAVITY = 9.81
 
 
 DT, HEIGHT = 0.01, 0.27  # [s], [m] as on Melson
+TUNINGS = [  # dt [s], height [m], weight_error, weight_jerk
+    (0.01, 0.27, 1.0, 1e-6),
+    (0.01, 0.8, 1.0, 1e-6),
+    (0.005, 0.27, 1.0, 1e-8),
+    (0.02, 0.5, 10.0, 1e-6),
+]
 
 
 def follow(
@@ -33,6 +39,14 @@ def cart_table(dt: float, height: float) -> tuple[np.ndarray, np.ndarray, np.nda
     """A, B and C of a cart under a jerk that is constant over dt."""
     A = np.array([[1.0, dt, dt**2 / 2.0], [0.0, 1.0, dt], [0.0, 0.0, 1.0]])
     return A, np.array([dt**3 / 6.0, dt**2 / 2.0, dt]), np.array([1.0, 0.0, -height / GRAVITY])
+
+
+def augmented(dt: float, height: float) -> tuple[np.ndarray, np.ndarray]:
+    """The servo's system: sum of errors and increments of the state."""
+    A, B, C = cart_table(dt, height)
+    At = np.zeros((4, 4))
+    At[0, 0], At[0, 1:], At[1:, 1:] = 1.0, C @ A, A
+    return At, np.concatenate([[C @ B], B])[:, None]
 
 
 def simulate(zmp_ref: np.ndarray, dt: float, height: float, com: ComParameters) -> np.ndarray:
