@@ -1,4 +1,4 @@
-"""The command `mgs`: thin, one file per group; heavy imports happen inside the commands."""
+"""The command-line program `mgs`: one file per command group; heavy imports inside the commands."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from mgs.core.errors import MgsError
 
 
 class _Message(click.ClickException):
-    """An error of ours as click shows it."""
+    """An MgsError as an exception that click prints."""
 
     def __init__(self, error: MgsError) -> None:
         super().__init__(str(error))
@@ -28,7 +28,7 @@ class _Message(click.ClickException):
 
 
 class ErrorsAsMessages(click.Group):
-    """Turns every error of ours into one message on stderr and its exit code."""
+    """Command group that prints an MgsError as one message on stderr and sets its exit code."""
 
     def invoke(self, ctx: click.Context) -> object:
         """Run the command."""
@@ -37,21 +37,22 @@ class ErrorsAsMessages(click.Group):
         except MgsError as error:
             raise _Message(error) from error
         except BrokenPipeError:
-            raise  # the reader of our output has gone; click ends quietly
+            raise  # the reader of stdout has closed the pipe; click exits without a message
         except OSError as error:
             what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
             raise click.ClickException(what) from error
         except MemoryError as error:
-            raise click.ClickException("there is not enough memory for this") from error
+            raise click.ClickException("not enough memory for this command") from error
 
 
 @click.group(cls=ErrorsAsMessages, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="mgs")
 def main() -> None:
-    """Offline motion generation for position-controlled humanoid robots.
+    """Generate motions for position-controlled humanoid robots offline.
 
-    A gait file (YAML) becomes a joint trajectory (MCAP) that the robot plays back open loop, and a
-    verdict on it from static checks and physics.
+    mgs generate turns a gait file (YAML) into a motion file (MCAP): a joint trajectory that the
+    robot executes open loop. mgs validate judges a motion file by static checks and by replays in
+    physics engines.
 
     \b
     Example:
@@ -59,8 +60,8 @@ def main() -> None:
       mgs validate walk.mcap
       mgs plot walk.mcap -o plots
 
-    Exit codes: 0 done (and passed), 1 the motion fails or the work could not be done, 2 malformed
-    input or wrong usage.
+    Exit codes: 0 success; 1 the motion fails or the work could not be done; 2 malformed input or
+    wrong usage.
     """  # noqa: D301
 
 

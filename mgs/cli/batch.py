@@ -1,4 +1,4 @@
-"""mgs batch."""
+"""The commands mgs batch plan and mgs batch run."""
 
 from __future__ import annotations
 
@@ -20,9 +20,12 @@ sweep_argument = click.argument(
 )
 
 
-@click.group()
+@click.group(short_help="Make a gait library: many variations of one gait.")
 def batch() -> None:
     """Make a gait library: many variations of one gait.
+
+    SWEEP.yaml names the base gait and the values of the keys that vary; mgs schema sweep describes
+    this file.
 
     \b
     Examples:
@@ -31,14 +34,17 @@ def batch() -> None:
     """  # noqa: D301
 
 
-@batch.command()
+@batch.command(short_help="Print the number of gaits in a sweep, and the first few.")
 @sweep_argument
 @click.option(
-    "--show", metavar="N", type=click.IntRange(0), default=5, help="Gaits to show. Default: 5."
-)
+    "--show", metavar="N", type=click.IntRange(0), default=5,
+    help="Number of gaits to print. Default: 5.",
+)  # fmt: skip
 @json_option
 def plan(sweep: Path, show: int, as_json: bool) -> None:
-    """Say how many gaits a sweep has, and show the first, without making any.
+    """Print the number of gaits in a sweep, and the first few of them.
+
+    Reads SWEEP.yaml and its base gait. Makes no gait and writes no file.
 
     \b
     Examples:
@@ -66,13 +72,13 @@ def plan(sweep: Path, show: int, as_json: bool) -> None:
     for gait in first:
         click.echo(f"{gait['number']:6d}  {'  '.join(gait['set'])}")
         if gait["problem"]:
-            click.echo(f"        no gait: {gait['problem']}")
+            click.echo(f"        invalid gait: {gait['problem']}")
     if len(first) < len(found.points):
         click.echo(f"   and {len(found.points) - len(first)} more")
 
 
 def _shown(plan: Plan, number: int) -> dict[str, Any]:
-    """What is set in a gait, and why it would be none."""
+    """Number and assignments of a gait, and the reason if it is invalid."""
     from mgs.core.errors import ConfigError
     from mgs.gait import parse_gait
 
@@ -85,28 +91,31 @@ def _shown(plan: Plan, number: int) -> dict[str, Any]:
     return {"number": number, "set": list(assignments), "problem": problem}
 
 
-@batch.command()
+@batch.command(short_help="Make and check every gait of a sweep.")
 @sweep_argument
 @click.option(
     "-o", "--output", type=click.Path(file_okay=False, path_type=Path),
-    help="Folder of the library; default outputs/SWEEP.",
+    help="Folder of the library. Default: outputs/SWEEP.",
 )  # fmt: skip
 @click.option(
     "--workers", metavar="N", type=click.IntRange(1, 1024),
-    help="Processes on this machine; default: one for each processor.",
+    help="Number of worker processes on this machine. Default: one per processor.",
 )  # fmt: skip
 @click.option(
     "--dask", "address", metavar="ADDRESS",
-    help="Scheduler of a running Dask cluster, e.g. tcp://HOST:8786, instead of processes here.",
+    help="Address of the scheduler of a running Dask cluster, e.g. tcp://HOST:8786, to be used "
+    "instead of worker processes on this machine.",
 )  # fmt: skip
 @click.option(
     "--physics", metavar="ENGINES", default="none",
-    help="Replay each gait too: pybullet, mujoco, or both with a comma. Default: none.",
+    help="Physics engines in which each gait is replayed: pybullet, mujoco, pybullet,mujoco or "
+    "none. Default: none.",
 )  # fmt: skip
 @servo_option
 @click.option(
     "--resume", is_flag=True,
-    help="Go on with a library: make what is missing or damaged, leave the rest.",
+    help="Continue an unfinished library: make the gaits that are missing or damaged, keep the "
+    "others.",
 )  # fmt: skip
 @json_option
 @click.pass_context
@@ -121,11 +130,14 @@ def run(
     resume: bool,
     as_json: bool,
 ) -> None:
-    """Make every gait of a sweep, check it, and keep files and figures in a folder.
+    """Make and check every gait of a sweep.
 
-    A gait that is infeasible or fails a check is a result, not an error: its row in
-    manifest.sqlite says why. Exit code 1 when the run is cut short or the work on a gait broke
-    down; --resume goes on.
+    Reads SWEEP.yaml and its base gait. Writes one motion file per gait and the table
+    manifest.sqlite, which holds the verdict and the figures of every gait.
+
+    An infeasible gait or a failed check is a result, not an error: the row of the gait states the
+    reason. Exit code 0 if every gait has a verdict; 1 if the run was interrupted or the
+    computation of a gait broke down. Use --resume to continue such a run.
 
     \b
     Examples:
@@ -137,10 +149,12 @@ def run(
     from mgs.core.errors import ConfigError, MgsError
 
     if workers is not None and address is not None:
-        raise ConfigError("--workers", "a running cluster (--dask) has workers of its own")
+        raise ConfigError(
+            "--workers", "cannot be combined with --dask; the cluster has its own workers"
+        )
     engines = tuple(engines_of(physics))
     if servo == "model" and not engines:
-        raise ConfigError("--servo", "model says nothing without --physics")
+        raise ConfigError("--servo", "model has no effect without replays; add --physics ENGINES")
     from mgs.library.points import plan_sweep
     from mgs.library.quiet import silence
 
@@ -156,7 +170,7 @@ def run(
             found, recipe, folder, resume=resume, workers=workers, address=address, tell=bar
         )
     except KeyboardInterrupt as interrupt:
-        message = f"stopped; {folder} is whole as far as it goes, go on with --resume"
+        message = f"interrupted; all gaits made so far are in {folder}; continue with --resume"
         raise MgsError(message) from interrupt
     finally:
         bar.close()
@@ -168,7 +182,7 @@ def run(
 
 
 class _Bar:
-    """The bar of a run: gaits done, rate, time left, and how many do not pass."""
+    """Progress bar of a run: finished gaits, rate, remaining time, number that did not pass."""
 
     def __init__(self) -> None:
         self._bar = ProgressBar("gaits", detail=self._detail)
@@ -176,7 +190,7 @@ class _Bar:
         self._said = False
 
     def __call__(self, summary: Summary) -> None:
-        """Show a state."""
+        """Show the progress of the run."""
         self._summary = summary
         if not self._said and summary.dashboard:
             click.echo(f"dashboard: {summary.dashboard}", err=True)
@@ -186,15 +200,15 @@ class _Bar:
     def _detail(self) -> str:
         assert self._summary is not None
         failed = sum(n for verdict, n in self._summary.verdicts.items() if verdict != "pass")
-        return f"{self._summary.rate:.1f} gaits/s, {failed} without a pass"
+        return f"{self._summary.rate:.1f} gaits/s, {failed} did not pass"
 
     def close(self) -> None:
-        """Leave the line."""
+        """End the line of the bar."""
         self._bar.close()
 
 
 def _print(summary: Summary) -> None:
-    kept = f", {summary.kept} were there" if summary.kept else ""
+    kept = f", {summary.kept} already present" if summary.kept else ""
     click.echo(
         f"{click.format_filename(str(summary.folder))}: {summary.n} gaits{kept}; "
         f"{summary.done} made in {summary.seconds:.1f} s by {summary.workers} workers "

@@ -1,4 +1,4 @@
-"""What the commands share: JSON on stdout, progress on a terminal, common options."""
+"""Shared parts of the commands: common options, JSON output, progress bars."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import click
 SHOW_AFTER = 1.0  # [s] of work before a progress bar appears
 
 json_option = click.option(
-    "--json", "as_json", is_flag=True, help="Print one JSON object to stdout and nothing else."
+    "--json", "as_json", is_flag=True, help="Print the result as one JSON object on stdout."
 )
 force_option = click.option("--force", is_flag=True, help="Replace existing files.")
 motion_argument = click.argument(
@@ -24,12 +24,12 @@ motion_argument = click.argument(
 
 
 class FiniteRange(click.FloatRange):
-    """A range that NaN is outside of; click itself lets it through."""
+    """Range of finite numbers; the range type of click accepts NaN."""
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> float:
-        """Number of a text; ends the command as a usage error unless it lies in the range."""
+        """Convert a text to a number; report a usage error if it is outside the range."""
         number: float = super().convert(value, param, ctx)
         if not math.isfinite(number):
             self.fail(f"{value!r} is not a finite number.", param, ctx)
@@ -37,14 +37,15 @@ class FiniteRange(click.FloatRange):
 
 
 def print_json(content: object) -> None:
-    """One JSON object on stdout."""
+    """Print one JSON object on stdout."""
     click.echo(json.dumps(content, indent=2, default=str, allow_nan=False))
 
 
 class ProgressBar:
-    """Callable with (done, total); draws on stderr when it is a terminal and the work is long.
+    """Callable with (done, total) that draws a progress bar on stderr.
 
-    `detail` gives a text to show behind the bar.
+    The bar appears only if stderr is a terminal and the work takes longer than SHOW_AFTER.
+    `detail` returns a text that is shown behind the bar.
     """
 
     def __init__(self, label: str, detail: Callable[[], str] | None = None) -> None:
@@ -71,13 +72,13 @@ class ProgressBar:
         self._done = done
 
     def close(self) -> None:
-        """Leave the line."""
+        """End the line of the bar."""
         if self._bar is not None:
             self._bar.render_finish()
 
 
 def with_progress(label: str, work: Callable[[ProgressBar], Any]) -> Any:
-    """Result of `work`, which is given a progress bar."""
+    """Call `work` with a progress bar and return its result."""
     bar = ProgressBar(label)
     try:
         return work(bar)

@@ -1,4 +1,4 @@
-"""mgs envelope."""
+"""The command mgs envelope."""
 
 from __future__ import annotations
 
@@ -28,33 +28,40 @@ if TYPE_CHECKING:
 MOST_TIMES = 100
 
 
-@click.command()
+@click.command(short_help="Find the longest step and the fastest walk of a robot.")
 @click.argument("robot_name", metavar="ROBOT")
 @click.option(
     "--gait", metavar="GAIT.yaml",
-    help="Walk whose steps are varied; default: ten steps in sizes of the robot.",
+    help="Walking gait whose steps are varied. Default: ten steps in proportion to the size of "
+    "the robot.",
 )  # fmt: skip
 @click.option(
     "--set", "assignments", metavar="KEY=VALUE", multiple=True,
-    help="Change a value of that gait, e.g. walk.com_height=0.25; may be repeated.",
+    help="Change of a value of that gait, e.g. walk.com_height=0.25. May be repeated.",
 )  # fmt: skip
 @click.option(
     "--times", metavar="T,T,...",
-    help="Step times [s]; default: six, in proportion to the time constant of the leg.",
+    help="Step times [s], separated by commas. Default: six times in proportion to the time "
+    "constant sqrt(L / g) of a leg of length L.",
 )  # fmt: skip
 @click.option(
     "--resolution",
     type=FiniteRange(1e-4, 0.5),
-    help="Of step lengths [m]; default: 2 % of the leg.",
+    help="Resolution of the step length [m]. Default: 2 % of the leg length.",
 )
 @click.option(
-    "--physics", metavar="ENGINES", help="pybullet, mujoco or both; default: all present."
-)
+    "--physics", metavar="ENGINES",
+    help="Physics engines for the replays: pybullet, mujoco or pybullet,mujoco. Default: all "
+    "installed engines.",
+)  # fmt: skip
 @servo_option_of("model")
-@click.option("--workers", type=click.IntRange(1, 1024), default=1, help="Processes. Default: 1.")
+@click.option(
+    "--workers", type=click.IntRange(1, 1024), default=1,
+    help="Number of worker processes. Default: 1.",
+)  # fmt: skip
 @click.option(
     "-o", "--output", type=click.Path(file_okay=False, path_type=Path),
-    help="Folder for map, figures and fastest gait; default outputs/ROBOT/envelope.",
+    help="Folder for the results. Default: outputs/ROBOT/envelope.",
 )  # fmt: skip
 @force_option
 @json_option
@@ -73,11 +80,15 @@ def envelope(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Find how long steps forward may be, and so how fast ROBOT can walk.
+    """Find the longest forward step and the fastest walk of a robot.
 
-    For each step time the longest step is found whose walk passes all checks and stays up in every
-    engine. Written are envelope.json (every probe, after each step time), envelope.png (the map)
-    and fastest.yaml (the gait with the highest speed). Exit code 1 when nothing passes.
+    ROBOT is the name of a shipped robot or a robot folder. For each step time the command searches
+    for the longest step with which the walk passes all static checks and the robot stays up in
+    every physics engine.
+
+    Writes envelope.json (all walks that were tried; updated after each step time), envelope.png
+    (map of step time, step length and speed) and fastest.yaml (the gait with the highest speed).
+    Exit code 1 if no walk passes.
 
     \b
     Examples:
@@ -95,7 +106,8 @@ def envelope(
     base = _base_gait(robot, robot_name, gait, assignments)
     engines = engines_of(physics)
     if not engines:
-        raise ConfigError("--physics", "none: an envelope is about falling; name an engine")
+        raise ConfigError("--physics", "none is not possible, because the search needs replays; "
+                          "name pybullet or mujoco")  # fmt: skip
     if servo == "model":
         from mgs.robot import servos_of
 
@@ -148,7 +160,9 @@ def _base_gait(
     else:
         found = load_gait(gait, sets)
     if not isinstance(found, WalkGait):
-        raise ConfigError(str(gait), f"motion: {found.motion} has no steps; use a gait that walks")
+        raise ConfigError(
+            str(gait), f"motion: {found.motion} has no steps; use a gait with motion: walk"
+        )
     return found
 
 
@@ -159,8 +173,8 @@ def _times(text: str) -> list[float]:
         times = []
     if not times or not all(0.0 < time <= 60.0 for time in times) or len(times) > MOST_TIMES:
         raise ConfigError(
-            "--times", f"{text!r}; use up to {MOST_TIMES} numbers of seconds above 0, up to 60, "
-            "with commas"
+            "--times", f"{text!r} is not a list of step times; give 1 to {MOST_TIMES} numbers "
+            "above 0 and up to 60 [s], separated by commas"
         )  # fmt: skip
     return times
 
@@ -170,21 +184,23 @@ def _print(found: Envelope, folder: Path) -> None:
         if probe is None:
             reasons = [p for p in found.probes if p.step_time == time]
             shortest = min(reasons, key=lambda p: p.step_length)
-            click.echo(f"{time:6.2f} s  no step passes; {', '.join(shortest.failed)}")
+            failed = ", ".join(shortest.failed)
+            click.echo(f"{time:6.2f} s  no step passes; the shortest one fails {failed}")
             continue
         longer = [p for p in found.probes if p.step_time == time and not p.passed]
         stop = min(longer, key=lambda p: p.step_length, default=None)
-        why = "" if stop is None else f"; {stop.step_length:.3f} m: {', '.join(stop.failed)}"
+        failed = "" if stop is None else ", ".join(stop.failed)
+        why = "" if stop is None else f"; {stop.step_length:.3f} m fails {failed}"
         click.echo(
             f"{time:6.2f} s  {probe.step_length:.3f} m  {probe.speed:.3f} m/s  "
             f"ZMP margin {1e3 * (probe.zmp_margin or 0.0):.1f} mm{why}"
         )
     fastest = found.fastest
     if fastest is None:
-        click.echo(f"nothing passes; figures in {folder}")
+        click.echo(f"no walk passes; results are in {folder}")
         return
     click.echo(
-        f"fastest: {fastest.step_length:.3f} m in {fastest.step_time:.2f} s, "
+        f"fastest walk: steps of {fastest.step_length:.3f} m in {fastest.step_time:.2f} s, "
         f"{fastest.speed:.3f} m/s, Froude number {found.froude(fastest):.4f} "
-        f"(leg {found.leg_length:.3f} m); {folder / 'fastest.yaml'}"
+        f"(leg length {found.leg_length:.3f} m); {folder / 'fastest.yaml'}"
     )

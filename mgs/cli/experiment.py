@@ -1,4 +1,4 @@
-"""mgs experiment."""
+"""The command mgs experiment."""
 
 from __future__ import annotations
 
@@ -11,22 +11,36 @@ from mgs.cli.common import ProgressBar, json_option, print_json, with_progress
 from mgs.experiments import Claim
 
 
-@click.command()
+@click.command(short_help="Repeat the experiments of a paper and test its claims.")
 @click.argument("name", type=click.Choice(experiments.NAMES))
 @click.option(
     "-o", "--output", type=click.Path(file_okay=False, path_type=Path),
-    help="Folder for the figures; default outputs/experiments/NAME.",
+    help="Folder for the figures. Default: outputs/experiments/NAME.",
 )  # fmt: skip
-@click.option("--no-figures", is_flag=True, help="Print the claims only.")
+@click.option("--no-figures", is_flag=True, help="Print the claims without drawing figures.")
 @json_option
 def experiment(name: str, output: Path | None, no_figures: bool, as_json: bool) -> None:
-    """Rerun an experiment and print claim, figure found, holds or not.
+    """Repeat the experiments of a paper and test its claims.
 
-    melson: scenarios S1 to S3 and the drift study of the Melson paper. faraji: tasks A to H of
-    Faraji and Ijspeert, ik1 to ik5 on COMAN's legs. mistry: CoG sway and a hand's figure eight by
-    prioritised floating-base IK. preview: closed-loop analysis of the ZMP preview control. Figures
-    of an earlier run are replaced. A claim that does not hold is a finding, not a failure: the exit
-    code is 0 all the same.
+    Prints each claim with the measured value and whether the claim holds, and writes figures. The
+    figures of an earlier run are replaced. A claim that does not hold is a result, not an error:
+    the exit code is 0.
+
+    melson: scenarios S1 to S3 and the drift study of "Inverse kinematics of a humanoid robot
+    modelled as a tree-shaped manipulator".
+
+    faraji: tasks A to H with the solvers ik1 to ik5 on the legs of COMAN, after S. Faraji and A. J.
+    Ijspeert, "Singularity-tolerant inverse kinematics for bipedal robots", IEEE Robotics and
+    Automation Letters, 2017.
+
+    mistry: sway of the centre of gravity and a figure eight of a hand by prioritized inverse
+    kinematics with a floating base, after M. Mistry, J. Nakanishi, G. Cheng and S. Schaal, "Inverse
+    kinematics with floating base and constraints for full body humanoid robot control", Humanoids,
+    2008.
+
+    preview: closed-loop analysis of the preview control of the zero-moment point, after S. Kajita
+    et al., "Biped walking pattern generation by using preview control of zero-moment point", ICRA,
+    2003.
 
     \b
     Example:

@@ -1,4 +1,4 @@
-"""mgs export."""
+"""The command mgs export."""
 
 from __future__ import annotations
 
@@ -14,29 +14,31 @@ if TYPE_CHECKING:
     from mgs.motion.cycle import Cycle
 
 
-@click.command()
+@click.command(short_help="Write joint angles and velocities as CSV or NumPy arrays.")
 @motion_argument
 @click.option(
     "--format", "fmt", type=click.Choice(["csv", "npz"]), default="csv", show_default=True,
-    help="Text with one line per sample, or NumPy arrays.",
+    help="Format: csv, a text file with one line per sample; npz, a file of NumPy arrays.",
 )  # fmt: skip
 @click.option(
     "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
-    help="File to write; default: beside FILE.mcap, named like it.",
+    help="File to write. Default: FILE.csv or FILE.npz in the folder of FILE.mcap.",
 )  # fmt: skip
 @click.option(
     "--cycle", "as_cycle", is_flag=True,
-    help="Two steps from the middle of a walk, made exactly periodic, instead of all of it.",
+    help="Export two steps from the middle of a walk, made exactly periodic, instead of the whole "
+    "motion.",
 )  # fmt: skip
 @force_option
 @json_option
 def export(
     file: Path, fmt: str, output: Path | None, as_cycle: bool, force: bool, as_json: bool
 ) -> None:
-    """Write joint angles and velocities for other tools.
+    """Write joint angles and velocities of a motion for other tools.
 
-    Names of joints are in the head of the file; units are s, rad and rad/s. With --cycle the sample
-    after the last one is the first one again: repeat it for as long as the robot shall walk.
+    Reads FILE.mcap. The file that is written contains the names of the joints; units are s, rad
+    and rad/s. A cycle (--cycle) can be repeated without end: its first sample follows its last one.
+    Exit code 1 if no two steps of the motion are similar enough for a cycle.
 
     \b
     Examples:
@@ -75,10 +77,10 @@ def export(
     if cycle is not None:
         x, y, yaw = cycle.displacement
         click.echo(
-            f"  cycle of {samples * motion.dt:g} s, from {cycle.start * motion.dt:.2f} s on: "
-            f"{x:+.4f} m ahead, {y:+.4f} m to the left, {yaw:+.4f} rad of turn\n"
-            f"  {cycle.joint} differed by {cycle.mismatch:.2g} rad from the next cycle, which is "
-            "spread over this one"
+            f"  cycle of {samples * motion.dt:g} s, taken at {cycle.start * motion.dt:.2f} s; "
+            f"displacement {x:+.4f} m forward, {y:+.4f} m to the left, turn {yaw:+.4f} rad\n"
+            f"  largest difference to the next cycle {cycle.mismatch:.2g} rad ({cycle.joint}); it "
+            "was removed evenly along the cycle"
         )
 
 

@@ -1,4 +1,4 @@
-"""mgs generate."""
+"""The command mgs generate."""
 
 from __future__ import annotations
 
@@ -15,17 +15,23 @@ if TYPE_CHECKING:
     from mgs.motion import Motion
 
 
-@click.command()
+@click.command(short_help="Make a motion file from a gait file.")
 @click.argument("gait", metavar="GAIT.yaml")
 @click.option(
     "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
-    help="Motion file to write; default outputs/ROBOT/GAIT.mcap.",
+    help="Motion file to write. Default: outputs/ROBOT/GAIT.mcap.",
 )  # fmt: skip
-@click.option("--robot", "robot_name", metavar="NAME_OR_DIR", help="Robot instead of the file's.")
-@click.option("--ik", metavar="NAME", help="IK solver instead of the file's.")
+@click.option(
+    "--robot", "robot_name", metavar="NAME_OR_DIR",
+    help="Shipped robot or robot folder to use instead of the robot in the gait file.",
+)  # fmt: skip
+@click.option(
+    "--ik", metavar="NAME",
+    help="Inverse-kinematics solver to use instead of ik.solver in the gait file.",
+)  # fmt: skip
 @click.option(
     "--set", "assignments", metavar="KEY=VALUE", multiple=True,
-    help="Change a value of the gait file, e.g. walk.n_steps=30; may be repeated.",
+    help="Change of a value of the gait file, e.g. walk.n_steps=30. May be repeated.",
 )  # fmt: skip
 @force_option
 @json_option
@@ -40,7 +46,12 @@ def generate(
 ) -> None:
     """Make a motion file from a gait file.
 
-    GAIT.yaml is a path or the name of a shipped gait.
+    Reads GAIT.yaml, which is a file or the name of a shipped gait, and writes a motion file: a
+    joint trajectory with its references, for mgs validate and other tools. mgs schema gait
+    describes the keys of a gait file.
+
+    Prints tracking errors, margins, the distance of the zero-moment point (ZMP) of the whole robot
+    from its plan, and the computing time. Exit code 1 if the robot cannot perform the gait.
 
     \b
     Examples:
@@ -51,12 +62,12 @@ def generate(
     from mgs.gait import load_gait
 
     started = time.perf_counter()
-    # a JSON text is the YAML of a text, be it `123` or `null`
+    # JSON strings are YAML strings, so that names such as `123` or `null` stay strings
     quoted = {"robot": robot_name, "ik.solver": ik}
     overrides = [f"{key}={json.dumps(v)}" for key, v in quoted.items() if v is not None]
     parameters = load_gait(gait, (*assignments, *overrides))
     if parameters.robot is None:
-        raise ConfigError(gait, "robot: missing; name one in the file or with --robot")
+        raise ConfigError(gait, "robot: missing; give it in the gait file or with --robot")
 
     from mgs.motion_file import write_motion
     from mgs.pipeline import generate
@@ -67,12 +78,12 @@ def generate(
     path = output or Path("outputs") / Path(parameters.robot).name / f"{name}.mcap"
     if path.exists() and not force:
         raise OutputExistsError(path)
-    name = name.encode("utf-8", "replace").decode()  # a file name may be no text, a motion file is
+    name = name.encode("utf-8", "replace").decode()  # file names may hold bytes that are not UTF-8
 
     def work(bar: ProgressBar) -> tuple[Motion, dict[str, float]]:
         try:
             made = generate(robot, parameters, name, progress=bar)
-        except ConfigError as error:  # a stage knows the key, not the file that it came from
+        except ConfigError as error:  # a stage knows the key but not the gait file
             problems = [f"{error.source}: {problem}" for problem in error.problems]
             raise ConfigError(gait, problems) from error
         return made.motion, made.seconds
@@ -111,7 +122,7 @@ def _print_summary(summary: dict[str, object], motion: Motion) -> None:
 
     tracking, seconds = tracking_of(summary), seconds_of(summary)
     limit = joint_position(motion)
-    margin = "no claim about balance"
+    margin = "no balance check for this motion"
     if motion.gait.is_balanced:
         inside = 1e3 * zmp_margins(motion, motion.zmp).min()
         margin = f"multibody ZMP {inside:.1f} mm inside the support polygon"
@@ -123,7 +134,7 @@ def _print_summary(summary: dict[str, object], motion: Motion) -> None:
         f"  tracking  soles {1e3 * tracking['sole_position']:.4f} mm and "
         f"{tracking['sole_rotation']:.1e} rad, hands {1e3 * tracking['hand_position']:.4f} mm, "
         f"CoM {1e3 * tracking['com']:.4f} mm (worst sample)\n"
-        f"  margins   {limit.where} {limit.value:.3f} rad to its limit, "
+        f"  margins   {limit.where} {limit.value:.3f} rad from its limit, "
         f"{margin}\n"
         f"{_zmp_line(summary['zmp_error'])}"
         f"  time      {stages} ms"
@@ -131,15 +142,15 @@ def _print_summary(summary: dict[str, object], motion: Motion) -> None:
 
 
 def _zmp_line(error: object) -> str:
-    """What the dynamic filter found and left; nothing where no ZMP was planned."""
+    """ZMP errors before and after the dynamic filter; empty for motions without a planned ZMP."""
     if not isinstance(error, dict):
         return ""
     before, after = (error[key] for key in ("before", "after"))
     passes = "1 pass" if error["passes"] == 1 else f"{error['passes']} passes"
     return (
-        f"  ZMP       multibody {1e3 * before['mean']:.2f} mm off plan (worst "
-        f"{1e3 * before['max']:.2f}), after {passes} of the dynamic filter "
-        f"{1e3 * after['mean']:.2f} mm (worst {1e3 * after['max']:.2f})\n"
+        f"  ZMP       mean error {1e3 * before['mean']:.2f} mm (largest "
+        f"{1e3 * before['max']:.2f} mm), after {passes} of the dynamic filter "
+        f"{1e3 * after['mean']:.2f} mm (largest {1e3 * after['max']:.2f} mm)\n"
     )
 
 

@@ -1,4 +1,4 @@
-"""mgs info and mgs plot."""
+"""The commands mgs info and mgs plot."""
 
 from __future__ import annotations
 
@@ -10,11 +10,14 @@ import click
 from mgs.cli.common import force_option, json_option, motion_argument, print_json
 
 
-@click.command()
+@click.command(short_help="Print the contents and the origin of a motion file.")
 @motion_argument
 @json_option
 def info(file: Path, as_json: bool) -> None:
-    """Say what is in a motion file: robot, gait, solver, duration, topics, provenance.
+    """Print the contents and the origin of a motion file.
+
+    Prints robot, gait, solver with its parameters, duration, topics and attachments of FILE.mcap.
+    Writes no file.
 
     \b
     Example:
@@ -39,21 +42,25 @@ def info(file: Path, as_json: bool) -> None:
             click.echo(f"{key}: {click.format_filename(str(value))}")
 
 
-@click.command()
+@click.command(short_help="Plot footsteps, balance and joint trajectories of a motion.")
 @motion_argument
 @click.option(
     "-o", "--output", type=click.Path(file_okay=False, path_type=Path),
-    help="Folder for the pictures; default: beside FILE.mcap, named like it.",
+    help="Folder for the pictures. Default: FILE, in the folder of FILE.mcap.",
 )  # fmt: skip
 @click.option(
-    "--format", "fmt", type=click.Choice(["png", "svg"]), default="png", show_default=True
-)
+    "--format", "fmt", type=click.Choice(["png", "svg"]), default="png", show_default=True,
+    help="Format of the pictures.",
+)  # fmt: skip
 @force_option
 @json_option
 def plot(
     file: Path, output: Path | None, fmt: Literal["png", "svg"], force: bool, as_json: bool
 ) -> None:
-    """Draw footsteps, ZMP, CoM and joints of a motion against their limits.
+    """Plot footsteps, zero-moment point (ZMP), centre of mass and joints of a motion.
+
+    Reads FILE.mcap and writes several pictures; joint positions, speeds and torques are shown with
+    their limits.
 
     \b
     Example:

@@ -1,4 +1,4 @@
-"""mgs validate and mgs replay."""
+"""The commands mgs validate and mgs replay."""
 
 from __future__ import annotations
 
@@ -29,41 +29,49 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def servo_option_of(default: str) -> Callable[[F], F]:
-    """The option --servo with a default."""
+    """Option --servo with the given default."""
     return click.option(
         "--servo", type=click.Choice(["ideal", "model"]), default=default,
-        help=f"Ideal servos, or those that robot.yaml describes. Default: {default}.",
+        help="Servos in the replays: ideal position control, or the servo models of robot.yaml. "
+        f"Default: {default}.",
     )  # fmt: skip
 
 
 servo_option = servo_option_of("ideal")
 feed_forward_option = click.option(
     "--feed-forward/--no-feed-forward", default=None,
-    help="Tell modelled servos what makes up for their droop, or the planned angles. Default: yes.",
+    help="Commands to modelled servos: angles that compensate their position error under load, or "
+    "the planned angles. Default: --feed-forward.",
 )  # fmt: skip
 
 
-@click.command()
+@click.command(short_help="Judge a motion by static checks and replays in physics.")
 @motion_argument
 @click.option(
     "--physics", metavar="ENGINES",
-    help="pybullet, mujoco, both with a comma, or none; default: every engine present.",
+    help="Physics engines for the replays: pybullet, mujoco, pybullet,mujoco or none. Default: all "
+    "installed engines.",
 )  # fmt: skip
 @servo_option
 @feed_forward_option
 @click.option(
     "--monte-carlo", "n_draws", metavar="N", type=click.IntRange(1, 100_000),
-    help="Also replay N times with robot, servos and floor not quite as planned.",
+    help="Number of additional replays under randomly varied conditions.",
 )  # fmt: skip
 @click.option(
     "--ranges", type=click.Choice(["wide", "lab"]), default="wide",
-    help="How far they stray; lab: half as far as wide. Default: wide.",
+    help="Ranges of the random conditions: wide, or lab with half of the width. Default: wide.",
 )  # fmt: skip
-@click.option("--seed", type=click.IntRange(0), default=0, help="Of the draws. Default: 0.")
-@click.option("--workers", type=click.IntRange(1, 1024), default=1, help="Processes. Default: 1.")
+@click.option(
+    "--seed", type=click.IntRange(0), default=0, help="Seed of the random conditions. Default: 0."
+)
+@click.option(
+    "--workers", type=click.IntRange(1, 1024), default=1,
+    help="Number of worker processes. Default: 1.",
+)  # fmt: skip
 @click.option(
     "--sample", metavar="K", type=click.IntRange(0),
-    help="Replay draw K alone instead of the plan's conditions.",
+    help="Replay the motion under random conditions number K instead of the planned conditions.",
 )  # fmt: skip
 @json_option
 @click.pass_context
@@ -80,11 +88,16 @@ def validate(
     sample: int | None,
     as_json: bool,
 ) -> None:
-    """Judge a motion: static checks and an open-loop replay in physics.
+    """Judge a motion by static checks and by open-loop replays in physics engines.
 
-    With --monte-carlo at least 95 % of the draws have to survive: friction, slope, bumps, masses,
-    CoM, servo gains, supply, latency and joint zeros differ from the plan's. Exit code 0 when
-    nothing fails, 1 when anything does.
+    Reads FILE.mcap, writes no file, and prints each check with its value and its limit, a summary
+    of each replay, and PASS or FAIL.
+
+    With --monte-carlo N the motion is also replayed N times under random conditions: floor
+    friction, slope and bumps, masses, centre of mass, servo gains, supply voltage, latency and
+    joint zero positions vary. The robot has to stay up in at least 95 % of these replays.
+
+    Exit code 0 if all checks pass, 1 if a check fails.
 
     \b
     Examples:
@@ -105,7 +118,7 @@ def validate(
     check_servo(servo, feed_forward)
     motion = read_motion(file)
     if servo == "model":
-        servos_of(motion.robot)  # before the checks take their time
+        servos_of(motion.robot)  # raises ConfigError before the slow checks start
     checks = with_progress("static checks", lambda bar: check_motion(motion, bar))
     conditions = None if sample is None else draw(motion, RANGES[ranges], seed, sample)
     replays = [_replay(motion, engine, None, servo, feed_forward, conditions) for engine in engines]
@@ -127,20 +140,27 @@ def validate(
         for result in found:
             click.echo(_survival(result))
         if not engines:
-            click.echo("no physics: nothing is said about falling")
+            click.echo("no replay in physics: falling was not checked")
         failed = [check.name for check in verdict.checks if not check.ok]
         click.echo(f"FAIL: {', '.join(failed)}" if failed else "PASS")
     ctx.exit(0 if verdict.passed else 1)
 
 
-@click.command()
+@click.command(short_help="Execute a motion open loop in one physics engine.")
 @motion_argument
 @click.option(
-    "--engine", type=click.Choice(["pybullet", "mujoco"]), help="Default: pybullet where present."
-)
-@click.option("--step", type=FiniteRange(1e-5, 0.01), help="Simulation step [s].")
-@click.option("--iterations", type=click.IntRange(1, 10_000), help="Of the contact solver.")
-@click.option("--friction", type=FiniteRange(0.0, 10.0), help="Of soles on the ground.")
+    "--engine", type=click.Choice(["pybullet", "mujoco"]),
+    help="Physics engine. Default: pybullet if installed, else mujoco.",
+)  # fmt: skip
+@click.option("--step", type=FiniteRange(1e-5, 0.01), help="Time step of the simulation [s].")
+@click.option(
+    "--iterations", type=click.IntRange(1, 10_000),
+    help="Largest number of iterations of the contact solver per time step.",
+)  # fmt: skip
+@click.option(
+    "--friction", type=FiniteRange(0.0, 10.0),
+    help="Friction coefficient between soles and ground.",
+)  # fmt: skip
 @servo_option
 @feed_forward_option
 @json_option
@@ -156,9 +176,10 @@ def replay(
     feed_forward: bool | None,
     as_json: bool,
 ) -> None:
-    """Execute a motion open loop in one physics engine and measure it.
+    """Execute a motion open loop in one physics engine and measure the result.
 
-    Exit code 1 when the robot falls.
+    Reads FILE.mcap, writes no file, and prints whether the robot stays up, the distance covered,
+    tilt, sole slip, joint errors and the time at torque limits. Exit code 1 if the robot falls.
 
     \b
     Examples:
@@ -185,7 +206,7 @@ def replay(
 
 
 def engines_of(physics: str | None) -> list[EngineName]:
-    """Engines asked for, or all that are installed."""
+    """Physics engines named in an option; without an option, all installed engines."""
     from mgs.core.errors import SimulationError
     from mgs.sim import ENGINES, available_engines
 
@@ -198,14 +219,17 @@ def engines_of(physics: str | None) -> list[EngineName]:
     asked = [name.strip() for name in physics.split(",")]
     unknown = [name for name in asked if name not in ENGINES]
     if unknown or len(set(asked)) != len(asked):
-        raise ConfigError("--physics", f"{physics!r}; use {', '.join(ENGINES)}, or none")
+        names = f"{', '.join(ENGINES)} (separated by commas) or none"
+        raise ConfigError("--physics", f"{physics!r} is not a list of physics engines; use {names}")
     return [engine for engine in ENGINES if engine in asked]
 
 
 def check_servo(servo: ServoName, feed_forward: bool | None) -> None:
-    """Raise ConfigError for feed-forward to servos that have no use for it."""
+    """Raise ConfigError if feed-forward commands are requested for ideal servos."""
     if feed_forward and servo == "ideal":
-        raise ConfigError("--feed-forward", "an ideal servo has no droop; add --servo model")
+        raise ConfigError(
+            "--feed-forward", "ideal servos have no position error to compensate; add --servo model"
+        )
 
 
 def _replay(
@@ -246,7 +270,7 @@ def _monte_carlo(motion: Motion, engine: EngineName, options: dict[str, Any]) ->
     def work(bar: ProgressBar) -> Robustness:
         return monte_carlo(motion, engine, progress=bar, **options)
 
-    return with_progress(f"{engine}, {options['n']} draws", work)
+    return with_progress(f"{engine}, {options['n']} random replays", work)
 
 
 def _survival(found: Robustness) -> str:
@@ -254,23 +278,24 @@ def _survival(found: Robustness) -> str:
     low, high = found.interval
     text = (
         f"{found.engine}, {found.servo} servos, ranges {found.ranges}, seed {found.seed}: "
-        f"{found.survived} of {found.n} draws survive, 95 % interval {low:.3f} to {high:.3f}"
+        f"the robot stays up in {found.survived} of {found.n} replays, "
+        f"95 % confidence interval {low:.3f} to {high:.3f}"
     )
     worst = figures["offenders"]
     if isinstance(worst, list) and worst:
         told = (f"{o['parameter']} ({o['probability']:.2f})" for o in worst[:3])
-        text += f"; falls go with {', '.join(told)}"
+        text += f"; falls correlate with {', '.join(told)}"
     return text
 
 
 def _agreement(found: Agreement) -> str:
     apart = (
-        f"loads on the soles {100.0 * found.load:.0f} % of the weight and ZMP "
-        f"{1e3 * found.zmp:.1f} mm rms, tilt {found.tilt_deg:.1f} deg, "
-        f"end {1e3 * found.end_position:.1f} mm and {found.end_yaw_deg:.1f} deg"
+        f"sole loads {100.0 * found.load:.0f} % of the weight (RMS), ZMP "
+        f"{1e3 * found.zmp:.1f} mm (RMS), tilt {found.tilt_deg:.1f} deg, "
+        f"final pose {1e3 * found.end_position:.1f} mm and {found.end_yaw_deg:.1f} deg"
     )
-    fate = "" if found.same_fate else "; they DISAGREE on whether it falls"
-    return f"{' and '.join(found.engines)} differ by: {apart}{fate}"
+    fate = "" if found.same_fate else "; they DISAGREE on whether the robot falls"
+    return f"differences between {' and '.join(found.engines)}: {apart}{fate}"
 
 
 def _sentence(replay: Replay) -> str:
@@ -284,13 +309,14 @@ def _sentence(replay: Replay) -> str:
     }[replay.servo, replay.feed_forward]
     if replay.command_clipped_joint is not None:
         servos += (
-            f" (cut by up to {replay.command_clipped_deg:.1f} deg at the limit of "
+            f" (commands clipped by up to {replay.command_clipped_deg:.1f} deg at the limit of "
             f"{replay.command_clipped_joint})"
         )
     return (
-        f"{replay.engine} {replay.version}, {servos}: {fate}; went ({x:+.3f}, {y:+.3f}) m, "
-        f"plan ({planned_x:+.3f}, {planned_y:+.3f}) m, yaw {replay.yaw_error_deg:+.2f} deg off; "
-        f"tilt up to {replay.max_tilt_deg:.1f} deg, slip {1e3 * replay.sole_slip_max:.1f} mm, "
-        f"joints {replay.joint_error_rms_deg:.2f} deg rms, "
-        f"saturated {1e3 * replay.torque_saturation:.0f} ms; {replay.wall_seconds:.1f} s"
+        f"{replay.engine} {replay.version}, {servos}: {fate}; displacement ({x:+.3f}, {y:+.3f}) m, "
+        f"planned ({planned_x:+.3f}, {planned_y:+.3f}) m, yaw error "
+        f"{replay.yaw_error_deg:+.2f} deg, largest tilt {replay.max_tilt_deg:.1f} deg, "
+        f"sole slip {1e3 * replay.sole_slip_max:.1f} mm, "
+        f"joint error {replay.joint_error_rms_deg:.2f} deg RMS, longest torque saturation "
+        f"{1e3 * replay.torque_saturation:.0f} ms; computing time {replay.wall_seconds:.1f} s"
     )

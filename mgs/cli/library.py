@@ -17,22 +17,26 @@ SHOWN = [
     *("number", "verdict", "reason", "robot", "ik.solver", "speed", "vx", "vy", "wz"),
     *("zmp_margin", "torque_ratio", "survived", "file"),
 ]
-MOST_VALUES = 12  # of a key, told one by one
+MOST_VALUES = 12  # largest number of values of a key that are listed one by one
 
 folder_argument = click.argument(
     "folder", metavar="DIR", type=click.Path(exists=True, file_okay=False, path_type=Path)
 )
 where_option = click.option(
-    "--where", metavar="CONDITION", help='On columns, e.g. "speed > 0.1 and survived".'
-)
+    "--where", metavar="CONDITION",
+    help='Condition that selects gaits, e.g. "speed > 0.1 and survived".',
+)  # fmt: skip
 columns_option = click.option(
-    "--columns", metavar="NAME,NAME", help="Columns to give; see mgs library query DIR --names."
-)
+    "--columns", metavar="NAME,NAME",
+    help="Columns to output, separated by commas. mgs library query DIR --names lists them.",
+)  # fmt: skip
 
 
-@click.group()
+@click.group(short_help="Query, export and summarize a gait library.")
 def library() -> None:
-    """Look into a gait library that mgs batch run has made.
+    """Query, export and summarize a gait library made by mgs batch run.
+
+    DIR is the folder of the library. No command changes it.
 
     \b
     Examples:
@@ -42,14 +46,19 @@ def library() -> None:
     """  # noqa: D301
 
 
-@library.command()
+@library.command(short_help="Print the gaits that meet a condition.")
 @folder_argument
 @where_option
 @columns_option
-@click.option("--order", metavar="COLUMN", help="Sort by a column, or by what is made of some.")
-@click.option("--reverse", is_flag=True, help="The largest first.")
-@click.option("--limit", metavar="N", type=click.IntRange(1), help="At most so many.")
-@click.option("--names", is_flag=True, help="Print the names of all columns instead.")
+@click.option(
+    "--order", metavar="COLUMN",
+    help="Column, or arithmetic expression of columns, by which the gaits are sorted.",
+)  # fmt: skip
+@click.option("--reverse", is_flag=True, help="Sort in descending order.")
+@click.option(
+    "--limit", metavar="N", type=click.IntRange(1), help="Largest number of gaits to print."
+)
+@click.option("--names", is_flag=True, help="Print the names of all columns instead of the gaits.")
 @json_option
 def query(
     folder: Path,
@@ -61,10 +70,11 @@ def query(
     names: bool,
     as_json: bool,
 ) -> None:
-    """Print the gaits that fulfil a condition.
+    """Print the gaits of a library that meet a condition.
 
-    A condition has names of columns, numbers, 'texts', and, or, not, == != < <= > >=, in [..],
-    is None, + - * / and abs(). What is not known, such as `survived` without physics, is not true.
+    A condition consists of names of columns, numbers, 'texts', and, or, not, == != < <= > >=,
+    in [..], is None, + - * / and abs(). A comparison with a missing value is false, e.g. with
+    `survived` in a library without replays.
 
     \b
     Examples:
@@ -90,14 +100,15 @@ def query(
         _print(table)
 
 
-@library.command()
+@library.command(short_help="Write the table of a library as CSV or Parquet.")
 @folder_argument
 @click.option(
-    "--format", "kind", type=click.Choice(["csv", "parquet"]), required=True, help="Of the file."
-)
+    "--format", "kind", type=click.Choice(["csv", "parquet"]), required=True,
+    help="Format of the file to write.",
+)  # fmt: skip
 @click.option(
     "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
-    help="File to write; default DIR.csv or DIR.parquet.",
+    help="File to write. Default: DIR.csv or DIR.parquet.",
 )  # fmt: skip
 @where_option
 @columns_option
@@ -112,7 +123,9 @@ def export(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Write the manifest as a table for other tools.
+    """Write the table of a library as a CSV or Parquet file for other tools.
+
+    The table has one row per gait: its values, its verdict and its figures.
 
     \b
     Examples:
@@ -134,14 +147,16 @@ def export(
         click.echo(f"{click.format_filename(str(path))}: {len(table.rows)} gaits")
 
 
-@library.command()
+@library.command(short_help="Print a summary of a library and verify its files.")
 @folder_argument
 @json_option
 @click.pass_context
 def report(ctx: click.Context, folder: Path, as_json: bool) -> None:
-    """Sum up a library, and verify every file by its content hash.
+    """Print a summary of a library and verify its motion files.
 
-    Exit code 1 when a file is damaged or missing.
+    The summary has the number of gaits by verdict and by reason, the ranges of the figures of the
+    gaits that pass, and the share of passes for each value of the sweep. Every motion file is
+    compared with its content hash. Exit code 1 if a file is damaged or missing.
 
     \b
     Example:
@@ -162,7 +177,7 @@ def _names(columns: str) -> list[str]:
 
 
 def _print(table: Table) -> None:
-    """Columns side by side, as wide as what is in them."""
+    """Print the columns side by side, each as wide as its widest cell."""
     cells = [list(table.columns), *([_cell(value) for value in row] for row in table.rows)]
     widths = [min(40, max(map(len, column))) for column in zip(*cells, strict=True)]
     for line in cells:
@@ -185,11 +200,11 @@ def _print_report(found: dict[str, Any]) -> None:
         click.echo(f"{n:8d}  {verdict}")
     for reason, n in found["reasons"].items():
         click.echo(f"{n:8d}      {reason}")
-    click.echo("of those that pass:")
+    click.echo("ranges of the gaits that pass:")
     for name, (low, high) in found["ranges_of_passes"].items():
         if low is not None:
             click.echo(f"  {name:18s} {low:.4g} to {high:.4g}")
-    click.echo("passes by value:")
+    click.echo("number of passes by value:")
     for key, shares in found["passes_by_value"].items():
         if len(shares) <= MOST_VALUES:
             told = ", ".join(f"{_cell(s['value'])}: {s['pass']}/{s['gaits']}" for s in shares)
@@ -198,7 +213,7 @@ def _print_report(found: dict[str, Any]) -> None:
         click.echo(f"  {key:24s} {told}")
     damaged = found["damaged_files"]
     if damaged:
-        click.echo(f"{len(damaged)} files damaged or missing, such as {damaged[0]}; make them anew "
-                   "with mgs batch run --resume")  # fmt: skip
+        click.echo(f"{len(damaged)} files are damaged or missing, e.g. {damaged[0]}; make them "
+                   "again with mgs batch run --resume")  # fmt: skip
     else:
-        click.echo("all files are whole")
+        click.echo("all files are intact")

@@ -1,4 +1,4 @@
-"""mgs refine."""
+"""The command mgs refine."""
 
 from __future__ import annotations
 
@@ -24,21 +24,26 @@ if TYPE_CHECKING:
     from mgs.sim import ServoName
 
 
-@click.command()
+@click.command(short_help="Correct a motion by the deviations that its replays show.")
 @motion_argument
 @click.option(
     "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
-    help="Motion file to write; default FILE_refined.mcap beside FILE.mcap.",
+    help="Motion file to write. Default: FILE_refined.mcap in the folder of FILE.mcap.",
 )  # fmt: skip
-@click.option("--physics", metavar="ENGINES", help="pybullet, mujoco or both. Default: both.")
+@click.option(
+    "--physics", metavar="ENGINES",
+    help="Physics engines for the replays: pybullet, mujoco or pybullet,mujoco. Default: all "
+    "installed engines.",
+)  # fmt: skip
 @servo_option_of("model")
 @feed_forward_option
 @click.option(
-    "--attempts", type=click.IntRange(1, 1000), default=6, help="Corrections tried. Default: 6."
-)
+    "--attempts", type=click.IntRange(1, 1000), default=6,
+    help="Largest number of corrections to try. Default: 6.",
+)  # fmt: skip
 @click.option(
     "--part", type=FiniteRange(0.05, 1.0), default=0.4,
-    help="Of a deviation that the first correction takes off. Default: 0.4.",
+    help="Fraction of the measured deviation that the first correction removes. Default: 0.4.",
 )  # fmt: skip
 @force_option
 @json_option
@@ -55,12 +60,15 @@ def refine(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Correct a motion by what its replays show.
+    """Correct a motion by the deviations that its replays show.
 
-    Where the robot leans away from its plan, slowly and in every engine, its CoM is planned the
-    other way; a correction is kept if the robot then stays up longer, fails fewer checks or tilts
-    less in every engine. Worth a try for robots that are told the planned angles alone
-    (--no-feed-forward), whose servos give way. Exit code 1, and no file, when nothing is better.
+    If the robot leans away from its plan slowly and in every physics engine, the reference of its
+    centre of mass is moved in the opposite direction. A correction is kept if, in every engine,
+    the robot then stays up longer, fails fewer checks or tilts less. Corrections help most if
+    servos get the planned angles only (--no-feed-forward) and yield under load.
+
+    Reads FILE.mcap and writes a corrected motion file. Exit code 1, and no file, if no correction
+    is an improvement.
 
     \b
     Examples:
@@ -74,7 +82,8 @@ def refine(
     check_servo(servo, feed_forward)
     engines = engines_of(physics)
     if not engines:
-        raise ConfigError("--physics", "none: there is nothing to learn from; name an engine")
+        raise ConfigError("--physics", "none is not possible, because the corrections need "
+                          "replays; name pybullet or mujoco")  # fmt: skip
     path = output or file.with_name(f"{file.stem}_refined.mcap")
     if path.exists() and not force:
         raise OutputExistsError(path)
@@ -109,14 +118,14 @@ def _print(found: Refinement, path: Path) -> None:
     for trial in found.before:
         click.echo(f"  {_figures(trial)}")
     for number, attempt in enumerate(found.attempts, start=1):
-        fate = "kept" if attempt.kept else f"dropped: {attempt.reason}"
-        click.echo(f"correction {number}, {attempt.part:g} of what is off: {fate}")
+        fate = "kept" if attempt.kept else f"rejected: {attempt.reason}"
+        click.echo(f"correction {number}, {attempt.part:g} of the deviation: {fate}")
         for trial in attempt.trials:
             click.echo(f"  {_figures(trial)}")
     if found.improved:
-        click.echo(f"better: {click.format_filename(str(path))}")
+        click.echo(f"improved motion: {click.format_filename(str(path))}")
     else:
-        click.echo("nothing was better; no file written")
+        click.echo("no correction is an improvement; no file was written")
 
 
 def _figures(trial: Trial) -> str:
@@ -126,7 +135,7 @@ def _figures(trial: Trial) -> str:
     )
     early, late = 1e3 * trial.touchdown.earliest, 1e3 * trial.touchdown.latest
     return (
-        f"{trial.engine:8s} {fate}; tilt {trial.tilt_rms_deg:.3f} deg, CoM "
-        f"{1e3 * trial.com_rms:.1f} mm, ZMP {1e3 * trial.zmp_rms:.1f} mm off (rms), "
-        f"touchdowns {early:+.0f} to {late:+.0f} ms{failed}"
+        f"{trial.engine:8s} {fate}; RMS errors: tilt {trial.tilt_rms_deg:.3f} deg, CoM "
+        f"{1e3 * trial.com_rms:.1f} mm, ZMP {1e3 * trial.zmp_rms:.1f} mm; "
+        f"touchdown errors {early:+.0f} to {late:+.0f} ms{failed}"
     )

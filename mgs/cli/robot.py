@@ -1,4 +1,4 @@
-"""mgs robot list, show, check and init."""
+"""The commands mgs robot list, show, check and init."""
 
 from __future__ import annotations
 
@@ -9,9 +9,12 @@ import click
 from mgs.cli.common import force_option, json_option, print_json
 
 
-@click.group()
+@click.group(short_help="List, show, check and create robot descriptions.")
 def robot() -> None:
-    """Look at robots: what is known and whether it is sound.
+    """List, show, check and create robot descriptions.
+
+    A robot description is a folder with robot.urdf and robot.yaml; mgs schema robot describes
+    robot.yaml.
 
     \b
     Examples:
@@ -21,10 +24,10 @@ def robot() -> None:
     """  # noqa: D301
 
 
-@robot.command("list")
+@robot.command("list", short_help="List the names of the shipped robots.")
 @json_option
 def list_command(as_json: bool) -> None:
-    """List the shipped robots.
+    """List the names of the shipped robots.
 
     \b
     Example:
@@ -39,11 +42,13 @@ def list_command(as_json: bool) -> None:
             click.echo(name)
 
 
-@robot.command()
+@robot.command(short_help="Show mass, soles, joints, limits and servos of a robot.")
 @click.argument("name", metavar="NAME_OR_DIR")
 @json_option
 def show(name: str, as_json: bool) -> None:
     """Show mass, soles, joints, limits and servos of a robot.
+
+    NAME_OR_DIR is the name of a shipped robot or a robot folder.
 
     \b
     Example:
@@ -83,12 +88,16 @@ def show(name: str, as_json: bool) -> None:
         )
 
 
-@robot.command()
+@robot.command(short_help="Check a robot folder for errors.")
 @click.argument("name", metavar="NAME_OR_DIR")
 @json_option
 @click.pass_context
 def check(ctx: click.Context, name: str, as_json: bool) -> None:
-    """Prove a robot folder sound; exit code 1 when anything is not.
+    """Check a robot folder for errors.
+
+    NAME_OR_DIR is the name of a shipped robot or a robot folder. The checks cover inertias, legs,
+    symmetry, joint limits, soles, balance and collisions in the half-sitting posture. Each failed
+    check is printed with a remedy. Exit code 1 if a check fails.
 
     \b
     Example:
@@ -110,7 +119,7 @@ def check(ctx: click.Context, name: str, as_json: bool) -> None:
     ctx.exit(0 if all(finding.ok for finding in findings) else 1)
 
 
-@robot.command()
+@robot.command(short_help="Create a first robot folder from the URDF of a humanoid.")
 @click.argument("urdf", metavar="URDF", type=click.Path(dir_okay=False, path_type=Path))
 @click.option(
     "-o", "--output", "folder", required=True, metavar="DIR",
@@ -119,9 +128,10 @@ def check(ctx: click.Context, name: str, as_json: bool) -> None:
 @click.option(
     "--package-path", "package_paths", metavar="DIR", multiple=True,
     type=click.Path(exists=True, file_okay=False, path_type=Path),
-    help="Where packages named in package:// are; may be repeated.",
+    help="Folder in which the packages of package:// and model:// names are searched. May be "
+    "repeated.",
 )  # fmt: skip
-@click.option("--name", metavar="NAME", help="Name of the robot; default: the URDF's.")
+@click.option("--name", metavar="NAME", help="Name of the robot. Default: the name in the URDF.")
 @force_option
 @json_option
 def init(
@@ -132,10 +142,11 @@ def init(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Draft a robot folder from a humanoid's URDF.
+    """Create a first robot folder from the URDF of a humanoid.
 
-    Legs, soles, hands, posture and servo figures are guessed from the file and marked as guesses.
-    Writes robot.urdf (a cleaned copy without meshes), robot.yaml and README.md.
+    Reads URDF and writes robot.urdf (a cleaned copy without meshes), robot.yaml and README.md into
+    DIR. Legs, soles, hands, posture and servo limits are guessed from the URDF; robot.yaml marks
+    every guess. Exit code 2 if the file is not the URDF of a robot that stands on two legs.
 
     \b
     Examples:

@@ -1,4 +1,4 @@
-"""mgs schema."""
+"""The command mgs schema."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ import click
 from mgs.cli.common import print_json
 
 
-@click.command()
+@click.command(short_help="Print the JSON schema of gait, robot or sweep files.")
 @click.argument("kind", type=click.Choice(["gait", "robot", "sweep"]))
 def schema(kind: str) -> None:
-    """Print the JSON schema of a kind of file, for editors that complete and check.
+    """Print the JSON schema of gait, robot or sweep files.
+
+    The schema describes every key with its unit and range. Editors use it to complete keys and to
+    mark errors.
 
     \b
     Example:

@@ -1,4 +1,4 @@
-"""Whether a robot folder is sound: what can be proven of its model before any gait is made."""
+"""Checks of a robot description before any gait is made: inertias, posture, soles, collisions."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from mgs.robot.legs import missing_turn
 from mgs.robot.limbs import leg_joints, leg_length
 from mgs.robot.robot import Robot
 
-MASS_SYMMETRY = 0.01  # relative difference of the two legs' and arms' masses
-LEVEL_TOLERANCE = 1e-4  # [m] between the corners of both soles in the posture
-LEAST_MARGIN = 0.005  # [m] of the CoM inside the support polygon
+MASS_SYMMETRY = 0.01  # largest relative difference between the masses of left and right limbs
+LEVEL_TOLERANCE = 1e-4  # [m] largest height difference of the sole corners in the posture
+LEAST_MARGIN = 0.005  # [m] least distance of the CoM from the edge of the support polygon
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One property of a robot and, where it does not hold, what to do."""
+    """Result of one check: name, whether it passes, its figures, and a remedy if it fails."""
 
     name: str
     ok: bool
@@ -32,7 +32,7 @@ class Finding:
 
 
 def check_robot(robot: Robot) -> list[Finding]:
-    """Inertias, symmetry, limits, soles, balance and collisions in the half-sitting posture."""
+    """Check inertias, legs, symmetry, limits, soles, balance and collisions in the posture."""
     data = robot.model.createData()
     q = robot.standing_q
     pin.framesForwardKinematics(robot.model, data, q)
@@ -66,34 +66,37 @@ def _inertias(robot: Robot) -> Finding:
     return Finding(
         "inertias",
         not bad,
-        f"mass {robot.mass:.3f} kg" + (f"; not physical: {', '.join(bad)}" if bad else ""),
-        "give these bodies a positive mass and inertias of which any two exceed the third",
+        f"mass {robot.mass:.3f} kg"
+        + (f"; physically impossible inertia: {', '.join(bad)}" if bad else ""),
+        "give these bodies a positive mass and principal inertias of which any two sum to more "
+        "than the third",
     )
 
 
 def _legs(robot: Robot) -> Finding:
-    """Whether legs can keep their soles level; tells what walks have to do without."""
+    """Check that the legs can keep their soles level; report a missing degree of freedom."""
     n, length = len(leg_joints(robot, Side.LEFT)), leg_length(robot)
-    remedy = "six joints place a sole anywhere; of five, hip yaw or ankle roll may be missing"
+    remedy = "use legs with six joints, or with five joints without hip yaw or without ankle roll"
     try:
         turn = missing_turn(robot)
     except ConfigError as error:
         return Finding("legs", False, error.problems[0], remedy)
     lack = {
         None: "",
-        "yaw": "; no hip yaw: no turns, the pelvis is kept upright instead, clik only",
-        "roll": "; no ankle roll: the pelvis is kept level, so that waist and arms have to bring "
-        "the CoM over a sole, clik only",
+        "yaw": "; no hip yaw: the robot cannot turn, the pelvis is kept upright, only the solver "
+        "clik can be used",
+        "roll": "; no ankle roll: the pelvis is kept level, waist and arms have to move the CoM "
+        "over a sole, only the solver clik can be used",
     }
-    return Finding("legs", True, f"{n} joints, {length:.3f} m stretched{lack[turn]}", remedy)
+    return Finding("legs", True, f"{n} joints, leg length {length:.3f} m{lack[turn]}", remedy)
 
 
 def _symmetry(robot: Robot) -> Finding:
-    """Masses of paired groups must agree, and the CoM must stand in the middle."""
+    """Check that left and right groups have equal masses and that the CoM is in the middle."""
     data = robot.model.createData()
     com = pin.centerOfMass(robot.model, data, robot.standing_q, False)
     sideways = abs(float(com[1]))
-    worst, pair = 0.0, "no groups named left and right to compare"
+    worst, pair = 0.0, "there are no groups named left and right"
     for group, members in robot.spec.groups.items():
         other = robot.spec.groups.get(group.replace("left", "right"), members)
         if "left" in group and other is not members:
@@ -104,8 +107,9 @@ def _symmetry(robot: Robot) -> Finding:
     return Finding(
         "symmetry",
         worst <= MASS_SYMMETRY and sideways <= 0.02,
-        f"masses differ by {100 * worst:.2f} % ({pair}), CoM {1e3 * sideways:.1f} mm off middle",
-        "compare the inertial elements of left and right; a walk needs room for the difference",
+        f"masses differ by {100 * worst:.2f} % ({pair}), CoM is {1e3 * sideways:.1f} mm beside the "
+        "middle",
+        "compare the inertial elements of left and right links in the URDF",
     )
 
 
@@ -120,8 +124,9 @@ def _limits(robot: Robot) -> Finding:
     return Finding(
         "limits",
         bool(room[j] >= 0.0),
-        f"{robot.joint_names[j]} is {np.degrees(room[j]):.1f} deg inside its range",
-        "change the posture or the limit in the URDF",
+        f"{robot.joint_names[j]} has the least distance from its limits: "
+        f"{np.degrees(room[j]):.1f} deg",
+        "change the posture in robot.yaml or the joint limit in the URDF",
     )
 
 
@@ -130,7 +135,7 @@ def _soles_level(corners: Array) -> Finding:
     return Finding(
         "soles_level",
         spread <= LEVEL_TOLERANCE,
-        f"corners of both soles within {1e3 * spread:.3f} mm of one plane",
+        f"the heights of the sole corners differ by {1e3 * spread:.3f} mm",
         "choose hip, knee and ankle pitch of the posture so that they add up to zero on both sides",
     )
 
@@ -142,7 +147,7 @@ def _balance(com: Array, corners: Array) -> Finding:
         "balance",
         margin >= LEAST_MARGIN,
         f"CoM at height {com[2]:.4f} m, {1e3 * margin:.1f} mm inside the support polygon",
-        "lean the posture (hip against ankle pitch) until the CoM stands above the soles",
+        "change hip and ankle pitch of the posture until the CoM is above the soles",
     )
 
 
@@ -164,7 +169,7 @@ def _collisions(robot: Robot, q: Array) -> Finding:
     return Finding(
         "collisions",
         not names,
-        f"{len(geometry.collisionPairs)} pairs watched"
-        + (f"; touching: {listed}" if names else ""),
-        "shrink the collision shapes, or list pairs that always touch under ignore_collisions",
+        f"{len(geometry.collisionPairs)} pairs of links checked"
+        + (f"; in contact: {listed}" if names else ""),
+        "reduce the collision shapes, or list pairs that always touch under ignore_collisions",
     )

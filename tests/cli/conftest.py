@@ -1,4 +1,4 @@
-"""Motion files that the commands are run on."""
+"""Motion files for the tests of the commands."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def walk_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def falling_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Steps on the spot with the CoM 70 mm ahead of where it belongs, which is off the soles."""
+    """Steps on the spot with a CoM 70 mm in front of its reference, outside the soles."""
     path = tmp_path_factory.mktemp("fall") / "fall.mcap"
     robot = load_robot("melson")
     assignments = [word for word in SHORT_WALK[1:] if word != "--set"]

@@ -1,4 +1,4 @@
-"""mgs batch and mgs library: what they print, and how they refuse."""
+"""Tests of mgs batch and mgs library: output and errors."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Made = tuple[Path, Summary]
 N = 2 * len(LENGTHS)
 
 
-def test_a_plan_says_how_many_and_shows_the_first(sweep: Path):
+def test_a_plan_prints_the_number_of_gaits_and_the_first_few(sweep: Path):
     result = run("batch", "plan", sweep, "--show", 2)
     assert result.exit_code == 0
     lines = result.stdout.splitlines()
@@ -25,7 +25,7 @@ def test_a_plan_says_how_many_and_shows_the_first(sweep: Path):
     assert lines[3] == f"   and {N - 2} more"
 
 
-def test_a_plan_shows_what_is_no_gait(tmp_path: Path):
+def test_a_plan_shows_invalid_gaits(tmp_path: Path):
     path = write_sweep(tmp_path, axes={"walk.step_length": [7]}, filters=["walk.step_length > 0"])
     found = json.loads(run("batch", "plan", path, "--json").stdout)
     assert (found["gaits"], found["filtered"], found["keys"]) == (1, 0, ["walk.step_length"])
@@ -47,20 +47,20 @@ def test_a_run_prints_a_table_by_reason_or_one_json_object(
     assert found["verdicts"]["infeasible"] == 2
     again = run("batch", "run", sweep, "-o", folder, "--resume")
     assert again.exit_code == 0
-    assert f"{N} gaits, {N} were there; 0 made" in again.stdout
+    assert f"{N} gaits, {N} already present; 0 made" in again.stdout
     assert any(line.split() == ["2", "infeasible"] for line in again.stdout.splitlines())
 
 
 @pytest.mark.parametrize(
     ("options", "code", "told"),
     [
-        (["--workers", "2", "--dask", "tcp://127.0.0.1:1"], 2, "has workers of its own"),
+        (["--workers", "2", "--dask", "tcp://127.0.0.1:1"], 2, "the cluster has its own workers"),
         (["--servo", "model"], 2, "--physics"),
         (["--physics", "bullet"], 2, "bullet"),
         (["--workers", "0"], 2, "--workers"),
     ],
 )
-def test_options_that_do_not_go_together_are_refused_before_anything_is_written(
+def test_options_that_exclude_each_other_are_refused_before_anything_is_written(
     sweep: Path, tmp_path: Path, options: list[str], code: int, told: str
 ):
     result = run("batch", "run", sweep, "-o", tmp_path / "lib", *options)
@@ -73,7 +73,7 @@ def test_a_library_that_exists_is_refused_without_resume(made: Made, sweep: Path
     before = files_below(made[0])
     result = run("batch", "run", sweep, "-o", made[0])
     assert result.exit_code == 1
-    assert "go on with --resume" in result.stderr
+    assert "--resume" in result.stderr
     assert files_below(made[0]) == before
 
 
@@ -105,26 +105,26 @@ def test_a_table_is_exported_but_not_over_a_file(made: Made, tmp_path: Path):
     assert found["gaits"] == N == len(path.read_text().splitlines()) - 1
 
 
-def test_a_report_tells_of_a_damaged_file_with_exit_code_one(made: Made, tmp_path: Path):
-    assert run("library", "report", made[0]).stdout.endswith("all files are whole\n")
+def test_a_report_names_a_damaged_file_and_has_exit_code_one(made: Made, tmp_path: Path):
+    assert run("library", "report", made[0]).stdout.endswith("all files are intact\n")
     folder = tmp_path / "lib"
     shutil.copytree(made[0], folder)
     (folder / "gaits" / "000002.mcap").write_bytes(b"")
     result = run("library", "report", folder)
     assert result.exit_code == 1
-    assert "1 files damaged or missing, such as gaits/000002.mcap" in result.stdout
+    assert "1 files are damaged or missing, e.g. gaits/000002.mcap" in result.stdout
     assert json.loads(run("library", "report", folder, "--json").stdout)["made"] == N
 
 
 @pytest.mark.parametrize("command", ["query", "report"])
-def test_a_folder_that_is_no_library_is_refused(command: str, tmp_path: Path):
+def test_a_folder_without_a_library_is_refused(command: str, tmp_path: Path):
     result = run("library", command, tmp_path)
     assert result.exit_code == 2
     assert "no gait library" in result.stderr
 
 
-def test_a_cluster_of_its_own_makes_the_same_library(sweep: Path, made: Made, tmp_path: Path):
-    """As a process, with nothing on stderr: neither of Dask's log nor of its workers."""
+def test_a_running_cluster_makes_the_same_library(sweep: Path, made: Made, tmp_path: Path):
+    """Run as a process; stderr stays empty, without log lines of Dask or of its workers."""
     done = run_process("batch", "run", sweep, "-o", tmp_path / "lib", "--workers", "2", "--json")
     assert (done.returncode, done.stderr) == (0, b"")
     assert json.loads(done.stdout)["made"] == N

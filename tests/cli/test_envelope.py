@@ -1,4 +1,4 @@
-"""mgs envelope: a small one for real, and what it refuses before any work."""
+"""Tests of mgs envelope: one small envelope, and errors that are found before any work."""
 
 from __future__ import annotations
 
@@ -21,11 +21,13 @@ QUICK = (*SMALL, "--physics", "mujoco", "--servo", "ideal")
 
 
 @needs_mujoco
-def test_an_envelope_is_three_files(tmp_path: Path):
+def test_an_envelope_consists_of_three_files(tmp_path: Path):
     folder = tmp_path / "out"
     result = run("envelope", "melson", *QUICK, "-o", folder)
     assert result.exit_code == 0, result.output
-    assert "fastest: 0.150 m in 0.60 s, 0.250 m/s, Froude number 0.02" in result.output
+    assert "fastest walk: steps of 0.150 m in 0.60 s, 0.250 m/s, Froude number 0.02" in (
+        result.output
+    )
     assert set(files_below(folder)) == {"envelope.json", "envelope.png", "fastest.yaml"}
     gait = load_gait(folder / "fastest.yaml")
     assert (gait.robot, gait.walk.step_length, gait.walk.n_steps) == ("melson", 0.15, 2)
@@ -52,18 +54,26 @@ def test_an_envelope_without_any_walk_says_so(tmp_path: Path):
 @pytest.mark.parametrize(
     ("arguments", "exit_code", "words"),
     [
-        (("--times", "0.5,x"), 2, "--times: '0.5,x'; use up to 100 numbers of seconds"),
-        (("--times", "nan"), 2, "--times: 'nan'; use up to 100 numbers"),
+        (("--times", "0.5,x"), 2, "--times: '0.5,x' is not a list of step times"),
+        (
+            ("--times", "nan"),
+            2,
+            "--times: 'nan' is not a list of step times; give 1 to 100",
+        ),
         (("--times", "0.05"), 2, "--times: 0.05 s is too short a step; 0.1 s at least"),
         (("--resolution", "nan"), 2, "not a finite number"),
-        (("--physics", "none"), 2, "--physics: none: an envelope is about falling"),
+        (
+            ("--physics", "none"),
+            2,
+            "--physics: none is not possible, because the search",
+        ),
         (("--gait", "melson/sway"), 2, "melson/sway: motion: balance has no steps"),
         (("--set", "walk.step_hight=1"), 2, "walk.step_hight: unknown key"),
         (("--set", "walk.n_steps=1"), 2, "n_steps = 1 is the closing step alone"),
         (("--set", "walk.n_steps=20000", "--times", "60"), 2, "use fewer walk.n_steps"),
     ],
 )
-def test_what_cannot_be_done_is_refused_at_once(
+def test_impossible_requests_are_refused_at_once(
     arguments: tuple[str, ...], exit_code: int, words: str, tmp_path: Path
 ):
     result = run("envelope", "melson", *arguments, "-o", tmp_path / "out")
@@ -72,7 +82,7 @@ def test_what_cannot_be_done_is_refused_at_once(
     assert not (tmp_path / "out").exists()
 
 
-def test_a_robot_whose_servos_are_unknown_needs_ideal_ones(tmp_path: Path):
+def test_a_robot_without_servo_models_needs_ideal_servos(tmp_path: Path):
     robot = shutil.copytree(find_robot("melson"), tmp_path / "mine")
     text = (robot / "robot.yaml").read_text()
     (robot / "robot.yaml").write_text(text.replace("compliance_slope: 16, ", ""))

@@ -1,4 +1,4 @@
-"""mgs experiment: claims as JSON or words; one that does not hold is a finding, not an error."""
+"""Tests of mgs experiment: claims as JSON or text; a claim that fails is not an error."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ OTHER = Claim("third", "robots like it", "unknown", "not applicable")
 
 
 def play(monkeypatch: pytest.MonkeyPatch, claims: list[Claim]) -> None:
-    """Let the experiment be one that finds these claims and draws one figure."""
+    """Replace the experiment by one with these claims and one figure."""
 
     def found(name: str, folder: Path | None, progress: object) -> list[Claim]:
         assert name == "melson"
@@ -53,7 +53,7 @@ def test_claims_in_words(monkeypatch):
 @pytest.mark.parametrize(
     ("options", "folder"), [((), "outputs/experiments/melson"), (("-o", "figures"), "figures")]
 )
-def test_figures_go_where_they_are_told(monkeypatch, tmp_path: Path, options, folder: str):
+def test_figures_are_written_to_the_given_folder(monkeypatch, tmp_path: Path, options, folder: str):
     play(monkeypatch, [HOLDS])
     monkeypatch.chdir(tmp_path)
     result = run("experiment", "melson", *options)

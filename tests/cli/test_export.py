@@ -1,4 +1,4 @@
-"""mgs export: what it writes, what it says, and what it refuses."""
+"""Tests of mgs export: files, output and errors."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def long_walk(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def test_by_default_a_csv_file_stands_beside_the_motion(walk_file: Path):
+def test_by_default_a_csv_file_is_written_beside_the_motion_file(walk_file: Path):
     result = run("export", walk_file, "--json")
     told = json.loads(result.stdout)
     assert (result.exit_code, result.stderr) == (0, "")
@@ -40,7 +40,7 @@ def test_by_default_a_csv_file_stands_beside_the_motion(walk_file: Path):
     assert run("export", walk_file, "--force").exit_code == 0
 
 
-def test_a_cycle_is_told_with_its_displacement(long_walk: Path, tmp_path: Path):
+def test_a_cycle_is_reported_with_its_displacement(long_walk: Path, tmp_path: Path):
     path = tmp_path / "cycle.npz"
     result = run("export", long_walk, "--cycle", "--format", "npz", "-o", path, "--json")
     cycle = json.loads(result.stdout)["cycle"]
@@ -51,11 +51,11 @@ def test_a_cycle_is_told_with_its_displacement(long_walk: Path, tmp_path: Path):
         assert arrays["displacement"].tolist() == cycle["displacement"]
     words = run("export", long_walk, "--cycle", "--format", "npz", "-o", path, "--force").stdout
     assert "cycle of 1.6 s" in words
-    assert "+0.1000 m ahead" in words
-    assert f"{cycle['joint']} differed by" in words
+    assert "displacement +0.1000 m forward" in words
+    assert f"rad ({cycle['joint']}); it was removed" in words
 
 
-def test_a_motion_without_a_cycle_is_told_and_nothing_is_written(walk_file: Path, tmp_path: Path):
+def test_a_motion_without_a_cycle_is_refused_without_a_file(walk_file: Path, tmp_path: Path):
     result = run("export", walk_file, "--cycle", "-o", tmp_path / "a.csv")
     assert (result.exit_code, result.stdout) == (1, "")
     assert "walk_practical: no two steps in its middle that could be repeated" in result.stderr
@@ -68,7 +68,7 @@ def test_wrong_usage_has_exit_code_two(walk_file: Path, wrong: list[str]):
     assert run("export", *arguments).exit_code == 2
 
 
-def test_a_file_that_is_no_motion_has_exit_code_two(tmp_path: Path):
+def test_a_file_that_is_not_a_motion_file_has_exit_code_two(tmp_path: Path):
     (tmp_path / "a.mcap").write_text("no")
     result = run("export", tmp_path / "a.mcap")
     assert result.exit_code == 2

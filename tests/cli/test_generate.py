@@ -1,4 +1,4 @@
-"""mgs generate: what it prints, writes, refuses, and leaves behind when it fails."""
+"""Tests of mgs generate: output, files, errors, and files after a failure."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ UNREACHABLE = ("--set", "walk.step_length=0.3")
 
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty folder to work in."""
+    """Empty working folder."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -61,10 +61,10 @@ def test_json_is_one_object_of_the_agreed_shape(here: Path):
     assert seconds["total"] >= sum(t for stage, t in seconds.items() if stage != "total")
 
 
-def test_the_summary_says_where_how_long_and_how_well(here: Path):
+def test_the_summary_names_file_duration_and_tracking_errors(here: Path):
     result = run("generate", *SHORT_WALK, "-o", "walk.mcap")
     assert (result.exit_code, result.stderr) == (0, "")
-    for text in ("walk.mcap", "melson", "3.60 s, 361 samples", "tracking", "to its limit", "ms"):
+    for text in ("walk.mcap", "melson", "3.60 s, 361 samples", "tracking", "from its limit", "ms"):
         assert text in result.stdout
     assert "passes of the dynamic filter" in result.stdout
 
@@ -143,7 +143,7 @@ def test_where_nothing_can_be_written_a_message_says_so(here: Path, output: str)
 
 
 def test_a_folder_without_write_permission_is_a_message(here: Path, monkeypatch):
-    """Played, since root may write anywhere."""
+    """The error is simulated, because root may write anywhere."""
 
     def refuse(self: Path, *_: object, **__: object) -> None:
         raise PermissionError(13, "Permission denied", str(self))
@@ -154,8 +154,8 @@ def test_a_folder_without_write_permission_is_a_message(here: Path, monkeypatch)
     assert result.stderr == "Error: locked/walk.mcap: cannot be written: permission denied\n"
 
 
-def test_a_path_that_is_no_text_is_written_and_named(here: Path):
-    """Linux allows any bytes in a name; a motion file holds text, so its gait name is mended."""
+def test_a_path_with_bytes_that_are_not_utf8_is_written_and_named(here: Path):
+    """Linux allows any bytes in file names; in the motion file invalid bytes are replaced."""
     gait = here / "g\udcff.yaml"
     shutil.copy(shipped_folder("gaits") / "melson" / "walk_practical.yaml", gait)
     assert run("generate", gait, *SHORT_WALK[1:], "-o", "o\udcff.mcap").exit_code == 0
@@ -225,7 +225,7 @@ def test_an_unknown_robot_is_refused(here: Path, text: str):
 
 
 @pytest.mark.parametrize("name", ["mine", "123", "true", "a: b", "{x}", "it's"])
-def test_a_robot_is_found_by_folder_however_it_is_called(here: Path, name: str):
+def test_a_robot_folder_is_found_whatever_its_name(here: Path, name: str):
     shutil.copytree(MELSON, here / name)
     result = run("generate", *SHORT_WALK, "--robot", name, "-o", "walk.mcap", "--json")
     assert result.exit_code == 0
@@ -233,7 +233,7 @@ def test_a_robot_is_found_by_folder_however_it_is_called(here: Path, name: str):
     assert json.loads(result.stdout)["robot"] == "melson"  # the name in its robot.yaml
 
 
-def test_a_robot_is_found_by_name_and_stands_in_for_the_files(here: Path):
+def test_the_option_robot_takes_precedence_over_the_gait_file(here: Path):
     tree = yaml.safe_load((shipped_folder("gaits") / "melson" / "walk_practical.yaml").read_text())
     for robot in ("nao", None):
         (here / "walk.yaml").write_text(yaml.safe_dump(tree | {"robot": robot}))
@@ -326,9 +326,9 @@ PLACES = [
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize(
     ("error", "message"),
-    [(KeyboardInterrupt, "Aborted!"), (MemoryError, "Error: there is not enough memory")],
+    [(KeyboardInterrupt, "Aborted!"), (MemoryError, "Error: not enough memory")],
 )
-def test_whatever_interrupts_a_stage_leaves_no_file(
+def test_an_interrupted_stage_leaves_no_file(
     here: Path, monkeypatch: pytest.MonkeyPatch, place: str, error: type[BaseException], message
 ):
     def interrupt(*_: object, **__: object) -> None:
@@ -390,7 +390,7 @@ RANGES: dict[str, tuple[st.SearchStrategy[object], st.SearchStrategy[object]]] =
 
 @st.composite
 def well_formed_gaits(draw: st.DrawFn) -> dict[str, object]:
-    """Short walks, up to four values of which come from all that a gait file allows."""
+    """Short walks; up to four values are drawn from the whole range that a gait file allows."""
     extreme = draw(st.sets(st.sampled_from(sorted(RANGES)), max_size=4))
     values = {key: draw(both[key in extreme]) for key, both in RANGES.items()}
     if values["walk.n_steps"] == 1:  # the closing step goes nowhere
@@ -403,7 +403,7 @@ def well_formed_gaits(draw: st.DrawFn) -> dict[str, object]:
 
 
 def test_any_well_formed_gait_becomes_a_file_or_a_message(here: Path):
-    """A warning of numpy's would fail it too."""
+    """A warning of NumPy makes the test fail too."""
 
     @settings(max_examples=60)
     @given(well_formed_gaits())

@@ -1,4 +1,4 @@
-"""Help: every command has it, with an example, and it costs no heavy import."""
+"""Tests of the help pages: every command has one, with an example and without heavy imports."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ HEAVY = [
 
 
 def commands(command: click.Command, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
-    """Paths of a command and all below it, such as ("robot", "list")."""
+    """Paths of a command and of its subcommands, such as ("robot", "list")."""
     yield path
     if isinstance(command, click.Group):
         for name, child in command.commands.items():
@@ -60,7 +60,7 @@ def leaves(path: tuple[str, ...]) -> bool:
 
 @pytest.mark.parametrize("path", [path for path in ALL if leaves(path)], ids=" ".join)
 def test_every_example_parses(path: tuple[str, ...]):
-    """Each example line names options that its command has; nothing of it is run."""
+    """Each example uses options that its command has; the examples are not executed."""
     command: click.Command = main
     for name in path:
         assert isinstance(command, click.Group)
@@ -75,7 +75,7 @@ def test_every_example_parses(path: tuple[str, ...]):
 
 @pytest.mark.parametrize("arguments", [["--help"], ["generate", "--help"], ["--version"], []])
 def test_help_imports_nothing_heavy(arguments: list[str]):
-    """Asked of a new interpreter by name: a time would say nothing on a busy machine."""
+    """A new interpreter lists its modules; a time limit would fail on a busy machine."""
     script = f"""
 import sys
 from mgs.cli import main
@@ -92,7 +92,7 @@ print("LOADED", *sorted(loaded & set({HEAVY!r})))
     assert done.stdout.splitlines()[-1] == "LOADED"
 
 
-def test_the_version_is_the_packages():
+def test_the_version_is_the_version_of_the_package():
     assert run("--version").stdout == f"mgs, version {mgs.__version__}\n"
 
 
@@ -112,7 +112,7 @@ def test_the_version_is_the_packages():
     ],
     ids=" ".join,
 )
-def test_wrong_usage_is_told_on_stderr_with_exit_code_two(arguments: list[str]):
+def test_wrong_usage_is_reported_on_stderr_with_exit_code_two(arguments: list[str]):
     result = run(*arguments)
     assert result.exit_code == 2
     assert result.stdout == ""

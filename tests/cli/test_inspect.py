@@ -1,4 +1,4 @@
-"""mgs info and mgs plot."""
+"""Tests of mgs info and mgs plot."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from mgs.motion_file import read_info
 from tests.support.commands import files_below, run
 
 
-def test_info_prints_what_the_file_says_of_itself(walk_file: Path):
+def test_info_prints_the_metadata_of_the_file(walk_file: Path):
     result = run("info", walk_file, "--json")
     assert (result.exit_code, result.stderr) == (0, "")
     assert json.loads(result.stdout) == read_info(walk_file)
@@ -27,8 +27,8 @@ def test_info_in_words_names_topics_and_attachments(walk_file: Path):
         assert text in result.stdout
 
 
-def test_a_reader_that_goes_away_early_is_no_error(walk_file: Path):
-    """As in `mgs info walk.mcap | head -1`."""
+def test_a_pipe_that_is_closed_early_is_not_an_error(walk_file: Path):
+    """This happens in `mgs info walk.mcap | head -1`."""
     script = "from mgs.cli import main; main(prog_name='mgs')"
     command = [sys.executable, "-c", script, "info", str(walk_file)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:

@@ -1,4 +1,4 @@
-"""mgs validate and mgs replay: JSON for scripts, words for people, verdicts as exit codes."""
+"""Tests of mgs validate and mgs replay: JSON, text and exit codes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ needs_mujoco = pytest.mark.skipif("mujoco" not in ENGINES, reason="MuJoCo is not
 
 
 def checked(verdict: dict[str, Any]) -> None:
-    """The shape of a verdict, and that it follows from its checks."""
+    """Check the keys of a verdict, and that the verdict agrees with its checks."""
     assert set(verdict) >= {"file", "verdict", "checks", "replays", "monte_carlo"}
     for check in verdict["checks"]:
         assert set(check) >= CHECK_KEYS
@@ -59,12 +59,12 @@ def test_a_sound_motion_passes_its_static_checks(walk_file: Path):
     assert [check["name"] for check in verdict["checks"]] == expected
 
 
-def test_the_verdict_in_words_says_what_it_does_not_know(walk_file: Path):
+def test_the_verdict_in_words_states_that_falling_was_not_checked(walk_file: Path):
     result = run("validate", walk_file, "--physics", "none")
     assert (result.exit_code, result.stderr) == (0, "")
     lines = result.stdout.splitlines()
     assert lines[-1] == "PASS"
-    assert lines[-2] == "no physics: nothing is said about falling"
+    assert lines[-2] == "no replay in physics: falling was not checked"
     assert all(line.startswith("ok   ") for line in lines[:-2])
 
 
@@ -84,7 +84,7 @@ def test_a_motion_that_leans_off_its_soles_fails(falling_file: Path):
 
 
 def test_every_engine_prints_json_and_nothing_else(walk_file: Path, tmp_path: Path):
-    """On real file descriptors: engines print from C when they are imported or load a robot."""
+    """The test uses real file descriptors, because engines print from C code."""
     done = run_process("validate", walk_file, "--json", cwd=tmp_path)
     verdict = json.loads(done.stdout)
     checked(verdict)
@@ -114,10 +114,10 @@ def test_unknown_physics_is_a_usage_error(walk_file: Path, physics: str):
     result = run("validate", walk_file, "--physics", physics)
     assert (result.exit_code, result.stdout) == (2, "")
     assert "--physics" in result.stderr
-    assert "pybullet, mujoco, or none" in result.stderr
+    assert "use pybullet, mujoco (separated by commas) or none" in result.stderr
 
 
-def test_without_any_engine_validate_asks_for_none(walk_file: Path, monkeypatch):
+def test_without_any_engine_validate_reports_that_none_is_installed(walk_file: Path, monkeypatch):
     monkeypatch.setattr("mgs.sim.available_engines", lambda: ())
     result = run("validate", walk_file)
     assert (result.exit_code, result.stdout) == (1, "")
@@ -152,7 +152,7 @@ def test_a_fall_is_exit_code_one(falling_file: Path):
 
 
 @needs_mujoco
-def test_settings_of_a_replay_are_those_asked_for(walk_file: Path):
+def test_a_replay_uses_the_settings_of_its_options(walk_file: Path):
     options = ("--step", "0.002", "--iterations", "20", "--friction", "0.7")
     result = run("replay", walk_file, "--engine", "mujoco", *options, "--json")
     assert result.exit_code == 0
@@ -194,7 +194,7 @@ def test_bad_settings_of_a_replay_are_usage_errors(walk_file: Path, options: tup
         (("--servo", "model", "--no-feed-forward"), "model", False, "modelled servos:"),
     ],
 )
-def test_servos_are_those_asked_for_and_named(
+def test_a_replay_uses_and_names_the_servos_of_its_options(
     walk_file: Path, options: tuple[str, ...], servo: str, feed_forward: bool, words: str
 ):
     result = run("replay", walk_file, "--engine", "mujoco", *options, "--json")
@@ -216,7 +216,7 @@ def test_a_verdict_names_its_servos(walk_file: Path):
 
 @pytest.mark.parametrize("command", ["validate", "replay"])
 @pytest.mark.parametrize("options", [("--feed-forward",), ("--servo", "ideal", "--feed-forward")])
-def test_feed_forward_is_for_modelled_servos(
+def test_feed_forward_is_refused_for_ideal_servos(
     walk_file: Path, command: str, options: tuple[str, ...]
 ):
     result = run(command, walk_file, *options)
@@ -226,7 +226,7 @@ def test_feed_forward_is_for_modelled_servos(
 
 
 @pytest.mark.parametrize("command", ["validate", "replay"])
-def test_a_servo_without_stiffness_is_an_error_that_says_what_to_write(
+def test_a_servo_without_stiffness_is_an_error_with_a_remedy(
     walk_file: Path, tmp_path: Path, command: str
 ):
     motion = read_motion(walk_file)

@@ -1,4 +1,4 @@
-"""mgs robot: what ships is sound, what was tampered with is found, what is malformed is refused."""
+"""Tests of mgs robot: shipped robots pass, errors in a robot folder are found."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_list_names_what_ships():
     assert "melson" in names
 
 
-def test_show_tells_every_joint():
+def test_show_lists_every_joint():
     shown = json.loads(run("robot", "show", "melson", "--json").stdout)
     assert (shown["robot"], len(shown["joints"])) == ("melson", 19)
     assert shown["mass"] == pytest.approx(2.6, rel=0.01)
@@ -83,7 +83,7 @@ def heavy_left_arm() -> tuple[str, str]:
 
 
 def thin_torso() -> tuple[str, str]:
-    """Inertias of which one exceeds the sum of the others: no matter has them."""
+    """Physically impossible inertias: one exceeds the sum of the others."""
     return YAML, replaced(URDF, r'(<link name="torso">.*?ixx=")[^"]*', r"\g<1>9.0")
 
 
@@ -107,7 +107,7 @@ TAMPERED = {
 
 
 @pytest.mark.parametrize("kind", TAMPERED)
-def test_a_tampered_robot_is_found_out(kind: str, tmp_path: Path):
+def test_an_error_in_a_robot_folder_is_found(kind: str, tmp_path: Path):
     tamper, expected = TAMPERED[kind]
     folder = write_robot(tmp_path / "robot", *tamper())
     result = run("robot", "check", folder, "--json")
@@ -184,7 +184,7 @@ def test_a_malformed_robot_is_refused(kind: str, tmp_path: Path):
 
 @pytest.mark.parametrize("command", ["check", "show"])
 @pytest.mark.parametrize("name", ["nao", "", ".", "n" * 5000, "a\0b"])
-def test_a_robot_that_is_nowhere_is_refused_with_those_that_ship(
+def test_an_unknown_robot_is_refused_with_a_list_of_shipped_robots(
     command: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.chdir(tmp_path)

@@ -1,4 +1,4 @@
-"""mgs robot init, and the generic walk of what it writes."""
+"""Tests of mgs robot init, and of the generic walk with the robot that it writes."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_init_check_generate_without_editing(urdf: Path, tmp_path: Path):
     assert json.loads(judged.stdout)["verdict"] == "pass"
 
 
-def test_json_tells_what_was_found(urdf: Path, tmp_path: Path):
+def test_json_lists_the_findings(urdf: Path, tmp_path: Path):
     out = run("robot", "init", str(urdf), "-o", str(tmp_path / "a"), "--name", "Bo", "--json")
     found = json.loads(out.stdout)
     assert (found["robot"], found["locked"], found["notes"]) == ("Bo", [], [])
@@ -40,7 +40,7 @@ def test_json_tells_what_was_found(urdf: Path, tmp_path: Path):
     assert all(finding["ok"] for finding in found["findings"])
 
 
-def test_a_folder_in_use_is_left_alone(urdf: Path, tmp_path: Path):
+def test_an_existing_folder_is_not_overwritten(urdf: Path, tmp_path: Path):
     folder = tmp_path / "mine"
     assert run("robot", "init", str(urdf), "-o", str(folder)).exit_code == 0
     (folder / "robot.yaml").write_text("mine")

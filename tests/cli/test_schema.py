@@ -1,4 +1,4 @@
-"""mgs schema: what an editor is told agrees with what mgs takes."""
+"""Tests of mgs schema: the schemas agree with the files that mgs accepts."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def described(definition: dict[str, Any]) -> set[str]:
 
 
 def test_every_key_is_described():
-    """So that an editor can say what a key means, and in which unit."""
+    """An editor can show the meaning and the unit of every key."""
     definitions = schema("gait")["$defs"]
     keys = {key for d in definitions.values() for key in d["properties"]}
     assert keys >= {path[-1] for path in LEAVES}

@@ -1,4 +1,4 @@
-"""A sequence through every command that a motion file is made for."""
+"""Tests of all commands that read a motion file, with a sequence."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ needs_mujoco = pytest.mark.skipif("mujoco" not in available_engines(), reason="n
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A sequence and its motion; the gait file that it names is gone."""
+    """A sequence and its motion; the gait file that the sequence names has been deleted."""
     folder = tmp_path_factory.mktemp("sequence")
     (folder / "walks").mkdir()
     (folder / "walks/back.yaml").write_text(BACK)
@@ -74,7 +74,7 @@ def test_a_replay_and_a_random_draw_work(folder: Path):
 
 
 @needs_mujoco
-def test_refine_says_that_it_is_for_single_gaits(folder: Path):
+def test_refine_refuses_sequences(folder: Path):
     result = run("refine", folder / "a.mcap", "--physics", "mujoco")
     assert (result.exit_code, result.stdout) == (2, "")
     assert "a sequence is not refined as a whole" in result.stderr
@@ -88,7 +88,7 @@ def test_a_wrong_part_is_named_and_nothing_is_written(folder: Path, tmp_path: Pa
     assert [path.name for path in tmp_path.iterdir()] == ["a.yaml"]
 
 
-def test_what_a_part_cannot_do_is_told_with_its_name(tmp_path: Path):
+def test_an_infeasible_part_is_reported_with_its_name(tmp_path: Path):
     far = TEXT.replace(
         "gait: walks/back.yaml", "gait: melson/walk_5cm, set: {walk.step_width: 0.12}"
     )

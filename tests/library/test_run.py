@@ -361,7 +361,7 @@ def test_control_c_ends_a_run_within_two_seconds(sweep: Path, tmp_path: Path):
     assert time.monotonic() - begun < 2.0
     assert process.returncode == 1
     assert errors.decode() == (
-        f"Error: stopped; {folder} is whole as far as it goes, go on with --resume\n"
+        f"Error: interrupted; all gaits made so far are in {folder}; continue with --resume\n"
     )
     assert 1 <= len(rows(folder)) < 12
     _, alive = psutil.wait_procs(workers, timeout=5.0)
