@@ -65,13 +65,15 @@ def module_name(path: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-def imports(path: Path, lazy: bool = True) -> set[str]:
-    """Modules that a file imports; those inside functions only when asked for."""
+def imports(path: Path, lazy: bool = True, typing: bool = True) -> set[str]:
+    """Modules that a file imports; those inside functions, or for type checkers, as asked."""
     tree = ast.parse(path.read_text())
     found: set[str] = set()
     pending: list[ast.AST] = [tree]
     while pending:
         node = pending.pop()
+        if not typing and isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            continue
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -91,12 +93,35 @@ def neighbours(path: Path) -> set[str]:
 
 @pytest.mark.parametrize("path", FILES, ids=module_name)
 def test_a_module_imports_only_from_above_itself(path: Path):
-    if not place(path):
-        assert not neighbours(path)
+    if not place(path):  # the front door, which is open to what is behind it when it is asked
+        at_once = {name for name in imports(path, typing=False) if name.startswith("mgs.")}
+        assert at_once == {"mgs.core.former_paths", "mgs.core.former_paths.FormerPaths"}
         return
     assert place(path) in ORDER, f"give {place(path)} its place in ORDER"
     above = ORDER[: ORDER.index(place(path))]
     assert neighbours(path) <= set(above)
+
+
+@pytest.mark.parametrize("path", FILES, ids=module_name)
+def test_no_room_is_entered_through_the_front_door(path: Path):
+    """Or everything could import everything: of `mgs` itself rooms take the version alone."""
+    taken = {name for name in imports(path) if name.startswith("mgs.") and name.count(".") == 1}
+    tree = ast.parse(path.read_text())
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and ast.unparse(node.value) == "mgs":
+            taken.add(f"mgs.{node.attr}")
+    assert taken <= {"mgs.__version__", *(f"mgs.{room}" for room in ORDER)}
+
+
+def test_modules_that_import_by_name_are_known():
+    """Such an import escapes the order of rooms, so whoever needs one is listed here."""
+    users = {module_name(path) for path in FILES if "import_module(" in path.read_text()}
+    assert users == {
+        "mgs",  # the names of the front door
+        "mgs.core.former_paths",
+        "mgs.experiments",  # one of its own studies
+        "mgs.motion.motion",  # its picture in a notebook
+    }
 
 
 def test_the_stages_follow_one_another():

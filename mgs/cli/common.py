@@ -6,7 +6,8 @@ import json
 import math
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -84,3 +85,24 @@ def with_progress(label: str, work: Callable[[ProgressBar], Any]) -> Any:
         return work(bar)
     finally:
         bar.close()
+
+
+@contextmanager
+def progress_bars() -> Iterator[Callable[[str, int, int], None]]:
+    """One bar after another: what this gives is called with the bar's label, done and total."""
+    shown: dict[str, ProgressBar] = {}  # at most one
+
+    def tell(label: str, done: int, total: int) -> None:
+        if label not in shown:
+            close()
+            shown[label] = ProgressBar(label)
+        shown[label](done, total)
+
+    def close() -> None:
+        while shown:
+            shown.popitem()[1].close()
+
+    try:
+        yield tell
+    finally:
+        close()

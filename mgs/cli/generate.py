@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from mgs.cli.common import ProgressBar, force_option, json_option, print_json, with_progress
+from mgs.cli.common import force_option, json_option, print_json, with_progress
 
 if TYPE_CHECKING:
     from mgs.motion import Motion
@@ -58,37 +57,19 @@ def generate(
       mgs generate melson/walk_5cm
       mgs generate my_walk.yaml -o walk.mcap --set walk.n_steps=30 --set ik.gamma_joint=0
     """  # noqa: D301
-    from mgs.core.errors import ConfigError, OutputExistsError
-    from mgs.gait import load_gait
-
     started = time.perf_counter()
-    # JSON strings are YAML strings, so that names such as `123` or `null` stay strings
-    quoted = {"robot": robot_name, "ik.solver": ik}
-    overrides = [f"{key}={json.dumps(v)}" for key, v in quoted.items() if v is not None]
-    parameters = load_gait(gait, (*assignments, *overrides))
-    if parameters.robot is None:
-        raise ConfigError(gait, "robot: missing; give it in the gait file or with --robot")
-
+    from mgs.core.errors import OutputExistsError
     from mgs.motion_file import write_motion
-    from mgs.pipeline import generate
-    from mgs.robot import load_robot
+    from mgs.pipeline.request import request
 
-    robot = load_robot(parameters.robot)
-    name = Path(gait).stem
-    path = output or Path("outputs") / Path(parameters.robot).name / f"{name}.mcap"
+    solver = {} if ik is None else {"ik.solver": ik}
+    wanted = request(robot_name, gait, assignments, **solver)
+    folder = Path("outputs") / Path(str(wanted.gait.robot)).name
+    path = output or folder / f"{Path(gait).stem}.mcap"
     if path.exists() and not force:
         raise OutputExistsError(path)
-    name = name.encode("utf-8", "replace").decode()  # file names may hold bytes that are not UTF-8
-
-    def work(bar: ProgressBar) -> tuple[Motion, dict[str, float]]:
-        try:
-            made = generate(robot, parameters, name, progress=bar)
-        except ConfigError as error:  # a stage knows the key but not the gait file
-            problems = [f"{error.source}: {problem}" for problem in error.problems]
-            raise ConfigError(gait, problems) from error
-        return made.motion, made.seconds
-
-    motion, seconds = with_progress("inverse kinematics", work)
+    made = with_progress("inverse kinematics", wanted.generate)
+    motion, seconds = made.motion, made.seconds
     begun = time.perf_counter()
     with_progress("writing", lambda bar: write_motion(motion, path, force=force, progress=bar))
     seconds["write"] = time.perf_counter() - begun

@@ -10,20 +10,17 @@ import click
 
 from mgs.cli.common import (
     FiniteRange,
-    ProgressBar,
     json_option,
     motion_argument,
     print_json,
+    progress_bars,
     with_progress,
 )
-from mgs.core.errors import ConfigError
 
 if TYPE_CHECKING:
-    from mgs.judge.monte_carlo import Robustness
     from mgs.judge.motion_checks import Check
-    from mgs.motion import Motion
-    from mgs.sim import Agreement, EngineName, Replay, ServoName, Settings
-    from mgs.sim.conditions import Conditions
+    from mgs.judge.verdict import Verdict
+    from mgs.sim import Agreement, EngineName, Replay, ServoName
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -107,42 +104,27 @@ def validate(
       mgs validate walk.mcap --monte-carlo 200 --ranges wide --workers 4
       mgs validate walk.mcap --sample 17
     """  # noqa: D301
-    from mgs.judge.monte_carlo import summary, survival_check
-    from mgs.judge.motion_checks import check_motion
-    from mgs.judge.verdict import judge
-    from mgs.motion_file import read_motion
-    from mgs.robot import servos_of
-    from mgs.sim.conditions import RANGES, draw
+    from mgs.judge.validate import validate as run
 
     engines = engines_of(physics)
     check_servo(servo, feed_forward)
-    motion = read_motion(file)
-    if servo == "model":
-        servos_of(motion.robot)  # raises ConfigError before the slow checks start
-    checks = with_progress("static checks", lambda bar: check_motion(motion, bar))
-    conditions = None if sample is None else draw(motion, RANGES[ranges], seed, sample)
-    replays = [_replay(motion, engine, None, servo, feed_forward, conditions) for engine in engines]
-    found = []
-    if n_draws is not None:
-        options = {"n": n_draws, "seed": seed, "ranges": ranges, "servo": servo, "workers": workers}
-        found = [_monte_carlo(motion, engine, options) for engine in engines]
-    checks += [survival_check(result) for result in found]
-    verdict = judge(str(file), checks, replays, summary(found))
+    with progress_bars() as tell:
+        verdict = run(
+            file,
+            physics=engines,
+            servo=servo,
+            feed_forward=feed_forward,
+            monte_carlo=n_draws,
+            ranges=ranges,
+            seed=seed,
+            workers=workers,
+            sample=sample,
+            progress=tell,
+        )
     if as_json:
         print_json(verdict.to_dict())
     else:
-        for check in verdict.checks:
-            click.echo(_line(check))
-        for replay in replays:
-            click.echo(_sentence(replay))
-        if (agreed := verdict.agreement) is not None:
-            click.echo(_agreement(agreed))
-        for result in found:
-            click.echo(_survival(result))
-        if not engines:
-            click.echo("no replay in physics: falling was not checked")
-        failed = [check.name for check in verdict.checks if not check.ok]
-        click.echo(f"FAIL: {', '.join(failed)}" if failed else "PASS")
+        _print_verdict(verdict)
     ctx.exit(0 if verdict.passed else 1)
 
 
@@ -189,15 +171,17 @@ def replay(
     """  # noqa: D301
     import dataclasses
 
-    from mgs.motion_file import read_motion
     from mgs.sim import DEFAULTS
+    from mgs.sim import replay as run
 
     check_servo(servo, feed_forward)
     name = engine or engines_of(None)[0]
     changes = {"dt": step, "iterations": iterations, "friction": friction}
     given = {key: value for key, value in changes.items() if value is not None}
     settings = dataclasses.replace(DEFAULTS[name], **given)  # type: ignore[arg-type]
-    result = _replay(read_motion(file), name, settings, servo, feed_forward)
+    result = with_progress(
+        name, lambda bar: run(file, name, settings, bar, servo=servo, feed_forward=feed_forward)
+    )
     if as_json:
         print_json(result.to_json())
     else:
@@ -207,53 +191,32 @@ def replay(
 
 def engines_of(physics: str | None) -> list[EngineName]:
     """Physics engines named in an option; without an option, all installed engines."""
-    from mgs.core.errors import SimulationError
-    from mgs.sim import ENGINES, available_engines
+    from mgs.sim import choose_engines
 
-    if physics == "none":
-        return []
-    if physics is None:
-        if not available_engines():
-            raise SimulationError("no physics engine is installed; install mujoco or pybullet")
-        return list(available_engines())
-    asked = [name.strip() for name in physics.split(",")]
-    unknown = [name for name in asked if name not in ENGINES]
-    if unknown or len(set(asked)) != len(asked):
-        names = f"{', '.join(ENGINES)} (separated by commas) or none"
-        raise ConfigError("--physics", f"{physics!r} is not a list of physics engines; use {names}")
-    return [engine for engine in ENGINES if engine in asked]
+    return list(choose_engines(physics, "--physics"))
 
 
 def check_servo(servo: ServoName, feed_forward: bool | None) -> None:
     """Raise ConfigError if feed-forward commands are requested for ideal servos."""
-    if feed_forward and servo == "ideal":
-        raise ConfigError(
-            "--feed-forward", "ideal servos have no position error to compensate; add --servo model"
-        )
+    from mgs.sim import check_servo
+
+    check_servo(servo, feed_forward, "--feed-forward")
 
 
-def _replay(
-    motion: Motion,
-    engine: EngineName,
-    settings: Settings | None,
-    servo: ServoName,
-    feed_forward: bool | None,
-    conditions: Conditions | None = None,
-) -> Replay:
-    from mgs.sim import replay as run
-
-    return with_progress(
-        engine,
-        lambda bar: run(
-            motion,
-            engine,
-            settings,
-            bar,
-            servo=servo,
-            feed_forward=feed_forward,
-            conditions=conditions,
-        ),
-    )
+def _print_verdict(verdict: Verdict) -> None:
+    for check in verdict.checks:
+        click.echo(_line(check))
+    for replay in verdict.replays:
+        click.echo(_sentence(replay))
+    if (agreed := verdict.agreement) is not None:
+        click.echo(_agreement(agreed))
+    draws: Any = verdict.monte_carlo or {"engines": ()}
+    for figures in draws["engines"]:
+        click.echo(_survival(figures))
+    if not verdict.replays:
+        click.echo("no replay in physics: falling was not checked")
+    failed = verdict.failed
+    click.echo(f"FAIL: {', '.join(failed)}" if failed else "PASS")
 
 
 def _line(check: Check) -> str:
@@ -264,25 +227,15 @@ def _line(check: Check) -> str:
     return f"{mark} {check.name:22s} {figure}{time}{where}"
 
 
-def _monte_carlo(motion: Motion, engine: EngineName, options: dict[str, Any]) -> Robustness:
-    from mgs.judge.monte_carlo import monte_carlo
-
-    def work(bar: ProgressBar) -> Robustness:
-        return monte_carlo(motion, engine, progress=bar, **options)
-
-    return with_progress(f"{engine}, {options['n']} random replays", work)
-
-
-def _survival(found: Robustness) -> str:
-    figures = found.to_dict()
-    low, high = found.interval
+def _survival(figures: dict[str, Any]) -> str:
+    low, high = figures["wilson_95"]
     text = (
-        f"{found.engine}, {found.servo} servos, ranges {found.ranges}, seed {found.seed}: "
-        f"the robot stays up in {found.survived} of {found.n} replays, "
-        f"95 % confidence interval {low:.3f} to {high:.3f}"
+        f"{figures['engine']}, {figures['servo']} servos, ranges {figures['ranges']}, "
+        f"seed {figures['seed']}: the robot stays up in {figures['survived']} of {figures['n']} "
+        f"replays, 95 % confidence interval {low:.3f} to {high:.3f}"
     )
     worst = figures["offenders"]
-    if isinstance(worst, list) and worst:
+    if worst:
         told = (f"{o['parameter']} ({o['probability']:.2f})" for o in worst[:3])
         text += f"; falls correlate with {', '.join(told)}"
     return text

@@ -123,12 +123,16 @@ def is_file(path: Path) -> bool:
         return False
 
 
-def set_key(tree: Any, assignment: str, source: str = "--set") -> None:
-    """Apply one `dotted.key=value` to nested dictionaries in place; the value is read as YAML."""
-    key, equals, value = assignment.partition("=")
+def read_assignment(text: str, source: str = "--set") -> tuple[str, Any]:
+    """Key of `dotted.key=value` and its value, read as YAML.
+
+    Raises:
+        ConfigError: the text is of another form; the message names `source`.
+    """
+    key, equals, value = text.partition("=")
     if not equals or not all(key.strip().split(".")):
-        raise ConfigError(source, f"{_short(assignment)} is not of the form key.sub=value")
-    set_value(tree, key.strip(), parse_yaml(value, f"{source} {key.strip()}"), source)
+        raise ConfigError(source, f"{_short(text)} is not of the form key.sub=value")
+    return key.strip(), parse_yaml(value, f"{source} {key.strip()}")
 
 
 def set_value(tree: Any, key: str, value: object, source: str) -> None:

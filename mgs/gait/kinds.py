@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import html
+import math
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -50,12 +52,28 @@ class GaitFile(Model):
         """The gait as resolved, every default written out."""
         return yaml.safe_dump(self.model_dump(), sort_keys=False, default_flow_style=None)
 
+    def __repr__(self) -> str:
+        changed = self.model_dump(exclude_defaults=True, exclude={"mgs", "robot", "motion"})
+        told = yaml.safe_dump(changed, sort_keys=False, default_flow_style=True, width=math.inf)
+        robot = self.robot or "any robot"
+        return f"<{type(self).__name__} for {robot}: {_clipped(told.strip()[1:-1])}>"
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        """The gait file, every default written out, for a notebook."""
+        return f"<pre>{html.escape(self.to_yaml())}</pre>"
+
     def _refuse_too_long(self, duration: float, remedy: str) -> None:
         if duration / self.dt > MAX_SAMPLES:
             raise ValueError(
                 f"{duration:.0f} s at dt = {self.dt:g} s are {duration / self.dt:.2g} samples, "
                 f"{MAX_SAMPLES:g} allowed; use {remedy} or a larger dt"
             )
+
+
+def _clipped(text: str, width: int = 160) -> str:
+    return text if len(text) <= width else f"{text[: width - 3]}..."
 
 
 class WalkGait(GaitFile):

@@ -2,30 +2,45 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import create_model
 
-from mgs.core.config import build, parse_yaml, read_text, set_key
+from mgs.core.config import build, parse_yaml, read_text
+from mgs.core.wrong_type import wrong_type
+from mgs.gait.changes import apply, changes_of
 from mgs.gait.find import find_gait
-from mgs.gait.kinds import GAITS, Gait
+from mgs.gait.kinds import GAITS, Gait, GaitFile
 from mgs.gait.names import ANY_NAME
-from mgs.gait.sequence import resolve_parts, split_assignments
+from mgs.gait.sequence import resolve_parts, split_changes
 
 
-def load_gait(name_or_path: str | Path, assignments: tuple[str, ...] = ()) -> Gait:
+def load_gait(
+    gait: Gait | str | Path, assignments: tuple[str, ...] = (), **settings: object
+) -> Gait:
     """Read a gait file, or a shipped gait by name such as `melson/walk_5cm`.
 
     Args:
-        name_or_path: a path, or a name below the folder of shipped gaits.
+        gait: a path, a name below the folder of shipped gaits, or a gait that is to be changed.
         assignments: `dotted.key=value`, applied before validation.
+        settings: values by key, applied after the assignments: `walk__n_steps=6`,
+            `walk={"n_steps": 6}` or `**{"walk.n_steps": 6}`.
 
     Raises:
         ConfigError: the file is missing or malformed, or a value is out of range.
+        TypeError: `gait` is of another type.
     """
-    path = find_gait(name_or_path)
-    return parse_gait(read_text(path), path, assignments, path.parent)
+    if isinstance(gait, GaitFile):
+        if not assignments and not settings:
+            return gait
+        source = f"{gait.motion} gait"
+        return parse_gait(gait.to_yaml(), source, assignments, settings=settings)
+    if not isinstance(gait, str | Path):
+        raise wrong_type("the gait", "a gait, the name of a shipped gait or a file", gait)
+    path = find_gait(gait)
+    return parse_gait(read_text(path), path, assignments, path.parent, settings=settings)
 
 
 def parse_gait(
@@ -34,21 +49,23 @@ def parse_gait(
     assignments: tuple[str, ...] = (),
     folder: Path | None = None,
     *,
+    settings: Mapping[str, object] | None = None,
     any_name: bool = False,
 ) -> Gait:
     """Gait from YAML text; raises ConfigError naming `source`.
 
     A sequence may name other gait files, relative to `folder`; None: it has to hold everything.
-    With `any_name` the solver and the generator that the gait names need not be installed here.
+    Assignments and settings are those of `load_gait`. With `any_name` the solver and the generator
+    that the gait names need not be installed here.
     """
     tree: Any = parse_yaml(text, source)
-    own = assignments
-    if is_sequence := isinstance(tree, dict) and tree.get("motion") == "sequence":
-        own, inner = split_assignments(assignments)
-    for assignment in own:
-        set_key(tree, assignment)
-    if is_sequence:
+    changes = changes_of(assignments, settings)
+    if isinstance(tree, dict) and tree.get("motion") == "sequence":
+        own, inner = split_changes(changes)
+        apply(own, tree)
         resolve_parts(tree, source, folder, inner)
+    else:
+        apply(changes, tree)
     return build(_kind_of(tree), tree, source, ANY_NAME if any_name else None)
 
 

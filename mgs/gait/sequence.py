@@ -2,31 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from mgs.core.config import parse_yaml, read_text, set_key, set_value
+from mgs.core.config import parse_yaml, read_text
 from mgs.core.errors import ConfigError
+from mgs.gait.changes import Change, apply
 from mgs.gait.find import find_gait
 from mgs.gait.kinds import SequenceGait
 
 SHARED = ("robot", "dt")  # keys that a sequence and its parts have to agree on
 
 
-def split_assignments(assignments: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Assignments for the sequence itself and for each of its parts; `SHARED` ones are for both."""
-    keys = [assignment.partition("=")[0].strip().split(".")[0] for assignment in assignments]
+def split_changes(changes: Iterable[Change]) -> tuple[list[Change], list[Change]]:
+    """Changes for the sequence itself and for each of its parts; `SHARED` keys are for both."""
     own, inner = [], []
-    for key, assignment in zip(keys, assignments, strict=True):
-        if key in SequenceGait.model_fields or not key:
-            own.append(assignment)
-        if key in SHARED or key not in SequenceGait.model_fields:
-            inner.append(assignment)
-    return tuple(own), tuple(inner)
+    for change in changes:
+        if change.block in SequenceGait.model_fields:
+            own.append(change)
+        if change.block in SHARED or change.block not in SequenceGait.model_fields:
+            inner.append(change)
+    return own, inner
 
 
 def resolve_parts(
-    tree: Any, source: str | Path, folder: Path | None, assignments: tuple[str, ...]
+    tree: Any, source: str | Path, folder: Path | None, changes: Sequence[Change]
 ) -> None:
     """Put gaits in the place of their names, in place; what is malformed is left for validation.
 
@@ -34,7 +35,7 @@ def resolve_parts(
         tree: content of a gait file with `motion: sequence`.
         source: of the tree, for messages.
         folder: that paths of gaits are relative to; None: no other file may be read.
-        assignments: `dotted.key=value` for the gait of each part.
+        changes: for the gait of each part.
 
     Raises:
         ConfigError: a gait is not found or not YAML, or is a sequence itself.
@@ -44,14 +45,14 @@ def resolve_parts(
     for i, part in enumerate(parts if isinstance(parts, list) else []):
         if isinstance(part, dict):
             try:
-                _resolve(part, tree, folder, assignments)
+                _resolve(part, tree, folder, changes)
             except ConfigError as error:
                 problems = [f"sequence.parts.{i}: {line}" for line in str(error).splitlines()]
                 raise ConfigError(source, problems) from error
 
 
 def _resolve(
-    part: dict[Any, Any], tree: dict[Any, Any], folder: Path | None, assignments: tuple[str, ...]
+    part: dict[Any, Any], tree: dict[Any, Any], folder: Path | None, changes: Sequence[Change]
 ) -> None:
     gait = part.get("gait")
     if isinstance(gait, str):
@@ -68,10 +69,8 @@ def _resolve(
         return
     if gait.get("motion") == "sequence":
         raise ConfigError("gait", "a sequence has no sequence among its parts; write its parts out")
-    changes = part.pop("set", {})
-    if not isinstance(changes, dict):
+    written = part.pop("set", {})
+    if not isinstance(written, dict):
         raise ConfigError("set", "should be keys and values, such as {walk.n_steps: 4}")
-    for key, value in changes.items():
-        set_value(gait, str(key), value, "set")
-    for assignment in assignments:
-        set_key(gait, assignment)
+    apply((Change(str(key), value, "set") for key, value in written.items()), gait)
+    apply(changes, gait)

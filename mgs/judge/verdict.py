@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mgs.judge.html import verdict_table
 from mgs.judge.motion_checks import Check
 from mgs.sim import Agreement, Replay, ServoName, Strike, agreement
 from mgs.sim.playback import FALL_TILT
@@ -29,9 +30,9 @@ BALL_DIRECTION_DEG = 10.0
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """All findings on one motion file."""
+    """All findings on one motion."""
 
-    file: str
+    file: str  # or, of a motion that was not read from a file, the name of its gait
     checks: tuple[Check, ...]  # static ones first, then those of each replay
     replays: tuple[Replay, ...]
     monte_carlo: dict[str, object] | None = None  # as `mgs.judge.monte_carlo.summary` gives it
@@ -42,6 +43,11 @@ class Verdict:
         return all(check.ok for check in self.checks)
 
     @property
+    def failed(self) -> tuple[str, ...]:
+        """Names of the checks that fail."""
+        return tuple(check.name for check in self.checks if not check.ok)
+
+    @property
     def servo(self) -> ServoName | None:
         """Servos that all replays had; None without replays."""
         return self.replays[0].servo if self.replays else None
@@ -50,6 +56,20 @@ class Verdict:
     def agreement(self) -> Agreement | None:
         """How far the engines agree; None unless there are two replays."""
         return agreement(*self.replays) if len(self.replays) == 2 else None
+
+    def __repr__(self) -> str:
+        return f"<Verdict on {self.file}: {self._in_words}>"
+
+    def _repr_html_(self) -> str:
+        """Table for a notebook."""
+        return verdict_table(f"{self.file}: {self._in_words}", self.checks)
+
+    @property
+    def _in_words(self) -> str:
+        engines = ", ".join(replay.engine for replay in self.replays) or "no physics"
+        n, failed = len(self.checks), self.failed
+        told = f"fail: {', '.join(failed)}; {len(failed)} of" if failed else "pass,"
+        return f"{told} {n} checks, {engines}"
 
     def to_dict(self) -> dict[str, object]:
         """The verdict as plain data, in the shape that `mgs validate --json` prints."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,6 +45,20 @@ class Motion:
     torso_ref: Array  # (N, 4) orientation asked, quaternion xyzw
     provenance: Provenance
     scene: Scene = EMPTY
+
+    def __repr__(self) -> str:
+        return (
+            f"<Motion {self.gait_name} of {self.robot.spec.name}: {self.gait.motion}, "
+            f"{self.duration:.2f} s, {self.n_samples} samples of {self.dt:g} s, "
+            f"solver {self.provenance.solver.name}>"
+        )
+
+    def _repr_png_(self) -> bytes:
+        """The picture that a notebook shows."""
+        # Drawing is the work of a later room. It is called by its name, at the moment when somebody
+        # looks: neither this module nor whoever uses it depends on it.
+        drawing = importlib.import_module("mgs.report.picture")
+        return drawing.picture_png(self)
 
     @property
     def n_samples(self) -> int:

@@ -18,9 +18,11 @@ import numpy as np
 from mgs.core.arrays import Array
 from mgs.core.atomic_files import replacing
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
-from mgs.core.errors import MgsError, OutputExistsError
+from mgs.core.errors import ConfigError, MgsError, OutputExistsError
+from mgs.core.wrong_type import given_path
 from mgs.motion import Motion
-from mgs.motion.cycle import Cycle
+from mgs.motion.cycle import Cycle, find_cycle
+from mgs.motion_file.read import read_motion
 
 
 def export_motion(
@@ -47,6 +49,43 @@ def export_motion(
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise MgsError(f"{path}: cannot be written: {reason}") from error
+
+
+def export(
+    motion: Motion | str | Path,
+    path: str | Path,
+    format: str | None = None,
+    *,
+    cycle: bool = False,
+    force: bool = False,
+) -> Path:
+    """Write the joint angles and velocities of a motion for other tools.
+
+    Args:
+        motion: a motion or the path of a motion file.
+        path: the file to write; its folder is made if missing.
+        format: "csv" or "npz"; None: the one that the path ends with.
+        cycle: two steps from the middle of a walk, made exactly periodic, instead of all of it.
+        force: replace an existing file.
+
+    Returns:
+        The file.
+
+    Raises:
+        ConfigError: there is no such format.
+        MotionFileError: the motion file is missing or damaged.
+        CycleError: the motion has no two steps that could be repeated.
+        OutputExistsError: there is a file and `force` is not set.
+        MgsError: the file cannot be written.
+        TypeError: an argument has a wrong type.
+    """
+    path = given_path(path)
+    wanted = path.suffix.removeprefix(".") if format is None else format
+    if wanted not in FORMATS:
+        raise ConfigError("format", f"{wanted!r} is unknown; use {' or '.join(FORMATS)}")
+    given = read_motion(motion)
+    export_motion(given, path, wanted, find_cycle(given) if cycle else None, force=force)
+    return path
 
 
 def _joints(motion: Motion, cycle: Cycle | None) -> tuple[Array, Array, Array]:

@@ -19,6 +19,7 @@ from mgs.core.config import Model, build
 from mgs.core.contact import Footstep, Side
 from mgs.core.errors import ConfigError, MotionFileError
 from mgs.core.scene import Ball, Box, Scene
+from mgs.core.wrong_type import wrong_type
 from mgs.gait import Gait, parse_gait
 from mgs.motion import Motion
 from mgs.motion.provenance import Provenance
@@ -100,19 +101,26 @@ class MotionMetadata(Model):
     scene: SceneEntry = SceneEntry()
 
 
-def read_motion(path: Path) -> Motion:
+def read_motion(motion: Motion | str | Path) -> Motion:
     """Read a motion file; every array equals the written one bit for bit.
+
+    A motion is returned as it is, so that who is given either has a motion.
 
     Raises:
         MotionFileError: the file is missing, damaged or not a motion file.
+        TypeError: neither a motion nor a path.
     """
-    path = Path(path)
+    if isinstance(motion, Motion):
+        return motion
+    if not isinstance(motion, str | Path):
+        raise wrong_type("the motion", "a Motion or the path of a motion file", motion)
+    path = Path(motion)
     with _all_errors_naming(path), path.open("rb") as stream:
         reader = _open(path, stream)
-        motion = _read(path, reader)
-    if problem := find_problem(motion):
+        found = _read(path, reader)
+    if problem := find_problem(found):
         raise MotionFileError(path, problem)
-    return motion
+    return found
 
 
 def read_info(path: Path) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from mgs.core.atomic_files import replacing
 from mgs.core.contact import Support
 from mgs.core.errors import MgsError, MotionFileError, OutputExistsError
 from mgs.core.progress import Progress
+from mgs.core.wrong_type import given_path, wrong_type
 from mgs.motion import Motion
 from mgs.motion.servo_commands import servo_commands
 from mgs.motion_file.check import find_problem
@@ -50,8 +51,8 @@ SAMPLES_PER_CHUNK = 500  # about 2 MB; players read a chunk at a time
 
 
 def write_motion(
-    motion: Motion, path: Path, *, force: bool = False, progress: Progress | None = None
-) -> None:
+    motion: Motion, path: str | Path, *, force: bool = False, progress: Progress | None = None
+) -> Path:
     """Write a motion file, or nothing at all.
 
     Args:
@@ -60,12 +61,18 @@ def write_motion(
         force: replace an existing file.
         progress: called with the number of samples written and of all samples.
 
+    Returns:
+        The file.
+
     Raises:
         OutputExistsError: there is a file and `force` is not set.
         MotionFileError: an array has a wrong shape or holds a NaN.
         MgsError: the file cannot be written.
+        TypeError: an argument has a wrong type.
     """
-    path = Path(path)
+    if not isinstance(motion, Motion):
+        raise wrong_type("what is written", "a Motion", motion)
+    path = given_path(path)
     if problem := find_problem(motion):
         raise MotionFileError(path, f"not written: {problem}")
     if path.is_dir() or (path.exists() and not force):
@@ -76,6 +83,7 @@ def write_motion(
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise MgsError(f"{path}: cannot be written: {reason}") from error
+    return path
 
 
 def motion_bytes(motion: Motion) -> bytes:

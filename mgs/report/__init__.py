@@ -4,10 +4,13 @@ from mgs.report.canvas import save_figures
 from mgs.report.envelope import plot_envelope
 from mgs.report.motion_plots import MOTION_PLOTS, plot_motion
 from mgs.report.picture import picture_strip, write_picture
+from mgs.report.plot import Figures, plot
 
 __all__ = [
     "MOTION_PLOTS",
+    "Figures",
     "picture_strip",
+    "plot",
     "plot_envelope",
     "plot_motion",
     "save_figures",

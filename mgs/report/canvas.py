@@ -32,9 +32,17 @@ DPI = 130
 TITLE, LABEL, TICK = 9.5, 9.0, 8.0  # font sizes [pt]
 
 
+class ShownFigure(Figure):
+    """A figure that a notebook shows by itself, without pyplot and its magic commands."""
+
+    def _repr_png_(self) -> bytes:
+        """The picture that a notebook shows."""
+        return render(self, "png")
+
+
 def new_figure(width: float, height: float) -> Figure:
     """Empty figure of this size [inch] whose parts make room for each other."""
-    return Figure(figsize=(width, height), dpi=DPI, layout="constrained", facecolor="white")
+    return ShownFigure(figsize=(width, height), dpi=DPI, layout="constrained", facecolor="white")
 
 
 def style_axes(
@@ -108,11 +116,12 @@ def save_figures(
     """
     paths = figure_paths(folder, figures, fmt, force=force)
     for path, figure in zip(paths, figures.values(), strict=True):
-        replace_file(path, _render(figure, fmt, few_colours))
+        replace_file(path, render(figure, fmt, few_colours))
     return paths
 
 
-def _render(figure: Figure, fmt: Format, few_colours: bool) -> bytes:
+def render(figure: Figure, fmt: Format, few_colours: bool = False) -> bytes:
+    """Content of the file of a figure; arguments as for `save_figures`."""
     stream = io.BytesIO()
     # neither date, version nor random identifiers
     metadata = {"Software": None} if fmt == "png" else {"Date": None, "Creator": None}

@@ -20,6 +20,7 @@ from mgs.report.canvas import (
     TICK,
     legend_above,
     new_figure,
+    render,
     save_figures,
 )
 from mgs.report.ground import draw_above, footstep_corners
@@ -54,6 +55,11 @@ def picture_strip(motion: Motion, n_poses: int = N_POSES) -> Figure:
     ground.set_title("from above", loc="left", fontsize=TICK, color=FAINT)
     legend_above(figure, [ground])
     return figure
+
+
+def picture_png(motion: Motion) -> bytes:
+    """`picture_strip` as a small PNG, for a notebook."""
+    return render(picture_strip(motion), "png", few_colours=True)
 
 
 def write_picture(motion: Motion, path: Path, *, force: bool = False) -> Path:

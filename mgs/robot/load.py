@@ -7,18 +7,24 @@ from pathlib import Path
 from mgs.core.config import build, is_file, parse_yaml, read_text
 from mgs.core.errors import ConfigError
 from mgs.core.shipped import shipped_folder
+from mgs.core.wrong_type import wrong_type
 from mgs.robot.build import build_robot
 from mgs.robot.robot import Robot
 from mgs.robot.spec import RobotSpec
 
 
-def load_robot(name_or_dir: str | Path) -> Robot:
-    """Read a robot folder, or a shipped robot by name.
+def load_robot(robot: Robot | str | Path) -> Robot:
+    """Read a robot folder, or a shipped robot by name; a robot is returned as it is.
 
     Raises:
         ConfigError: a file is missing or malformed, or robot.yaml and URDF contradict each other.
+        TypeError: `robot` is of another type.
     """
-    folder = find_robot(name_or_dir)
+    if isinstance(robot, Robot):
+        return robot
+    if not isinstance(robot, str | Path):
+        raise wrong_type("the robot", "a Robot, the name of a shipped robot or a folder", robot)
+    folder = find_robot(robot)
     path = folder / "robot.yaml"
     text = read_text(path)
     spec = build(RobotSpec, parse_yaml(text, path), path)

@@ -39,6 +39,9 @@ class Robot:
     hand_frames: tuple[int, int]  # of a robot without hands both are the torso's
     torso_frame: int
 
+    def __repr__(self) -> str:
+        return f"<Robot {self.spec.name}: {self.n} joints, {self.mass:.2f} kg>"
+
     @property
     def n(self) -> int:
         """Number of joints."""

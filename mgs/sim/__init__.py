@@ -2,6 +2,7 @@
 
 from mgs.core.progress import Progress
 from mgs.sim.agreement import Agreement, agreement
+from mgs.sim.choice import check_servo, choose_engines
 from mgs.sim.engine import available_engines
 from mgs.sim.replay import Replay, Trace, replay
 from mgs.sim.settings import DEFAULTS, ENGINES, SERVOS, EngineName, ServoName, Settings
@@ -21,5 +22,7 @@ __all__ = [
     "Trace",
     "agreement",
     "available_engines",
+    "check_servo",
+    "choose_engines",
     "replay",
 ]

@@ -15,6 +15,7 @@ from __future__ import annotations
 import dataclasses
 import time
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,9 +26,12 @@ from mgs.core.constants import FLOATING_BASE_NQ, GRAVITY
 from mgs.core.errors import SimulationError
 from mgs.core.geometry import wrap_angle
 from mgs.core.progress import Progress
+from mgs.core.short_repr import short_repr
 from mgs.motion import Motion
 from mgs.motion.servo_commands import Commands, servo_commands
+from mgs.motion_file import read_motion
 from mgs.robot import servos_of
+from mgs.sim.choice import choose_engines
 from mgs.sim.conditions import Conditions, disturbed
 from mgs.sim.engine import make_engine, require
 from mgs.sim.measure import angle_between, largest_slip, travel
@@ -55,6 +59,8 @@ class Trace:
     contacts: Array  # (M, 2, 5) of the soles: force x, y, z [N], first moments x, y [N m]
     balls: Array  # (M, b, 6) positions and velocities of the balls of the scene
     tilt: Array  # (M,) of the torso against the plan [rad]
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +101,11 @@ class Replay:
     wall_seconds: float
     trace: Trace
 
+    def __repr__(self) -> str:
+        fate = f"fell at {self.fall_time:.2f} s" if self.fell else "stays up"
+        apart = f"{1e3 * self.position_error:.1f} mm and {self.yaw_error_deg:.2f} deg"
+        return f"<Replay in {self.engine}, servos {self.servo}: {fate}, ends {apart} off its plan>"
+
     def to_json(self) -> dict[str, object]:
         """Plain dict of all figures, without the trace."""
         fields = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
@@ -105,8 +116,8 @@ class Replay:
 
 
 def replay(
-    motion: Motion,
-    engine: EngineName,
+    motion: Motion | str | Path,
+    engine: EngineName | None = None,
     settings: Settings | None = None,
     progress: Progress | None = None,
     *,
@@ -117,8 +128,8 @@ def replay(
     """Execute a motion open loop in a physics engine.
 
     Args:
-        motion: what the servos are told.
-        engine: "pybullet" or "mujoco".
+        motion: what the servos are told: a motion or the path of a motion file.
+        engine: "pybullet" or "mujoco"; None: the first of them that is installed.
         settings: None for the engine's defaults.
         progress: called with samples done and samples in all.
         servo: "ideal", or "model" for those that robot.yaml describes.
@@ -129,8 +140,12 @@ def replay(
     Raises:
         SimulationError: the engine is missing, has loaded another robot or diverged.
         ConfigError: robot.yaml gives a servo no stiffness.
+        MotionFileError: the motion file is missing or damaged.
+        TypeError: `motion` is of another type.
     """
+    motion = read_motion(motion)
     started = time.perf_counter()
+    engine = engine or choose_engines(None)[0]
     require(engine)
     if servo not in SERVOS:
         raise SimulationError(f"no servo {servo!r}; there are: {', '.join(SERVOS)}")

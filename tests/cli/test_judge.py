@@ -118,7 +118,7 @@ def test_unknown_physics_is_a_usage_error(walk_file: Path, physics: str):
 
 
 def test_without_any_engine_validate_reports_that_none_is_installed(walk_file: Path, monkeypatch):
-    monkeypatch.setattr("mgs.sim.available_engines", lambda: ())
+    monkeypatch.setattr("mgs.sim.choice.available_engines", lambda: ())
     result = run("validate", walk_file)
     assert (result.exit_code, result.stdout) == (1, "")
     assert "install mujoco or pybullet" in result.stderr

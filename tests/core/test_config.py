@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import tracemalloc
 from pathlib import Path
-from typing import Any
 
 import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mgs.core.config import MAX_BYTES, MAX_DEPTH, parse_yaml, set_key
+from mgs.core.config import MAX_BYTES, MAX_DEPTH, parse_yaml, read_assignment
 from mgs.core.errors import ConfigError, InputError, MgsError
 from mgs.gait import GAITS, BalanceGait, Gait, WalkGait, load_gait, parse_gait
 
@@ -327,9 +326,7 @@ def test_assignments_change_keys_and_make_missing_groups():
 
 def test_the_last_assignment_wins_and_values_may_hold_equals_signs():
     assert parse_gait(WALK, "a", ("walk.n_steps=3", "walk.n_steps=5")).walk.n_steps == 5
-    tree: dict[str, Any] = {}
-    set_key(tree, "a.b=c=d")
-    assert tree == {"a": {"b": "c=d"}}
+    assert read_assignment("a.b=c=d") == ("a.b", "c=d")
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,94 @@
+"""The whole judgement of a motion, static checks and physics: `mgs.validate`, `mgs validate`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import partial
+from pathlib import Path
+
+from mgs.core.errors import ConfigError
+from mgs.core.progress import StepProgress, progress_of_step
+from mgs.judge.monte_carlo import monte_carlo as replay_draws
+from mgs.judge.monte_carlo import summary, survival_check
+from mgs.judge.motion_checks import check_motion
+from mgs.judge.verdict import Verdict, judge
+from mgs.motion import Motion
+from mgs.motion_file import read_motion
+from mgs.robot import servos_of
+from mgs.sim import ServoName, check_servo, choose_engines, replay
+from mgs.sim.conditions import RANGES, draw
+
+
+def validate(
+    motion: Motion | str | Path,
+    *,
+    physics: str | Iterable[str] | None = None,
+    servo: ServoName = "ideal",
+    feed_forward: bool | None = None,
+    monte_carlo: int | None = None,
+    ranges: str = "wide",
+    seed: int = 0,
+    workers: int = 1,
+    sample: int | None = None,
+    progress: StepProgress | None = None,
+) -> Verdict:
+    """Judge a motion by static checks and open-loop replays in physics.
+
+    Args:
+        motion: a motion or the path of a motion file.
+        physics: names of engines; "none": static checks alone; None: every engine installed.
+        servo: "ideal", or "model" for the servos that robot.yaml describes.
+        feed_forward: whether commands compensate the droop of modelled servos; None: yes.
+        monte_carlo: number of further replays in each engine, with robot, servos and floor at
+            random a little different from the plan; None: none.
+        ranges: how large these differences are, "wide" or "lab" (half as large).
+        seed: seed of the random differences.
+        workers: number of processes for these replays.
+        sample: number of one such draw, whose conditions the single replay of each engine then
+            has; None: those of the plan.
+        progress: called with the name of a step, and work done and work in all of this step.
+
+    Raises:
+        ConfigError: an argument has a value that is not allowed, or robot.yaml gives a servo that
+            is to be modelled no stiffness.
+        MotionFileError: the motion file is missing or damaged.
+        SimulationError: an engine is missing, has loaded another robot or diverged.
+        TypeError: `motion` or `physics` has a wrong type.
+    """
+    engines = choose_engines(physics)
+    check_servo(servo, feed_forward)
+    _check_draws(monte_carlo, ranges, seed, workers, sample)
+    file = str(motion) if isinstance(motion, str | Path) else ""
+    motion = read_motion(motion)
+    if servo == "model":
+        servos_of(motion.robot)  # before the checks take their time
+    checks = check_motion(motion, progress_of_step(progress, "static checks"))
+    conditions = None if sample is None else draw(motion, RANGES[ranges], seed, sample)
+    run = partial(replay, servo=servo, feed_forward=feed_forward, conditions=conditions)
+    replays = [run(motion, name, None, progress_of_step(progress, name)) for name in engines]
+    found = []
+    if monte_carlo is not None:
+        drawn = partial(replay_draws, n=monte_carlo, seed=seed, ranges=ranges, servo=servo)
+        for name in engines:
+            tell = progress_of_step(progress, f"{name}, {monte_carlo} random replays")
+            found.append(drawn(motion, name, workers=workers, progress=tell))
+    checks += [survival_check(result) for result in found]
+    return judge(file or motion.gait_name, checks, replays, summary(found))
+
+
+def _check_draws(
+    monte_carlo: int | None, ranges: str, seed: int, workers: int, sample: int | None
+) -> None:
+    if ranges not in RANGES:
+        raise ConfigError("ranges", f"{ranges!r} is unknown; use {' or '.join(RANGES)}")
+    counts = {
+        "monte_carlo": (monte_carlo, 1),
+        "seed": (seed, 0),
+        "workers": (workers, 1),
+        "sample": (sample, 0),
+    }
+    for name, (value, least) in counts.items():
+        if value is None and name in ("monte_carlo", "sample"):
+            continue
+        if not isinstance(value, int) or value < least:
+            raise ConfigError(name, f"should be a whole number, at least {least}; found {value!r}")
