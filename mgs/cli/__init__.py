@@ -1,22 +1,42 @@
-"""The command-line program `mgs`: one file per command group; heavy imports inside the commands."""
+"""The command-line program `mgs`: one file per command group, imported when called."""
 
 from __future__ import annotations
+
+import os
 
 import click
 
 from mgs import __version__
-from mgs.cli.batch import batch
-from mgs.cli.envelope import envelope
-from mgs.cli.experiment import experiment
-from mgs.cli.export import export
-from mgs.cli.generate import generate
-from mgs.cli.inspect import info, plot
-from mgs.cli.judge import replay, validate
-from mgs.cli.library import library
-from mgs.cli.refine import refine
-from mgs.cli.robot import robot
-from mgs.cli.schema import schema
+from mgs.cli.lazy_group import LazyCommand, LazyGroup
 from mgs.core.errors import MgsError
+
+COMMANDS = {
+    "generate": LazyCommand("mgs.cli.generate", "Make a motion file from a gait file."),
+    "info": LazyCommand("mgs.cli.inspect", "Print the contents and the origin of a motion file."),
+    "plot": LazyCommand(
+        "mgs.cli.inspect", "Plot footsteps, balance and joint trajectories of a motion."
+    ),
+    "validate": LazyCommand(
+        "mgs.cli.judge", "Judge a motion by static checks and replays in physics."
+    ),
+    "replay": LazyCommand("mgs.cli.judge", "Execute a motion open loop in one physics engine."),
+    "envelope": LazyCommand(
+        "mgs.cli.envelope", "Find the longest step and the fastest walk of a robot."
+    ),
+    "refine": LazyCommand(
+        "mgs.cli.refine", "Correct a motion by the deviations that its replays show."
+    ),
+    "export": LazyCommand(
+        "mgs.cli.export", "Write joint angles and velocities as CSV or NumPy arrays."
+    ),
+    "batch": LazyCommand("mgs.cli.batch", "Make a gait library: many variations of one gait."),
+    "library": LazyCommand("mgs.cli.library", "Query, export and summarize a gait library."),
+    "robot": LazyCommand("mgs.cli.robot", "List, show, check and create robot descriptions."),
+    "experiment": LazyCommand(
+        "mgs.cli.experiment", "Repeat the experiments of a paper and test its claims."
+    ),
+    "schema": LazyCommand("mgs.cli.schema", "Print the JSON schema of gait, robot or sweep files."),
+}
 
 
 class _Message(click.ClickException):
@@ -27,7 +47,7 @@ class _Message(click.ClickException):
         self.exit_code = error.exit_code  # type: ignore[misc]
 
 
-class ErrorsAsMessages(click.Group):
+class ErrorsAsMessages(LazyGroup):
     """Command group that prints an MgsError as one message on stderr and sets its exit code."""
 
     def invoke(self, ctx: click.Context) -> object:
@@ -45,7 +65,11 @@ class ErrorsAsMessages(click.Group):
             raise click.ClickException("not enough memory for this command") from error
 
 
-@click.group(cls=ErrorsAsMessages, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    cls=ErrorsAsMessages,
+    table=COMMANDS,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
 @click.version_option(__version__, prog_name="mgs")
 def main() -> None:
     """Generate motions for position-controlled humanoid robots offline.
@@ -63,21 +87,6 @@ def main() -> None:
     Exit codes: 0 success; 1 the motion fails or the work could not be done; 2 malformed input or
     wrong usage.
     """  # noqa: D301
-
-
-for command in (
-    generate,
-    info,
-    plot,
-    validate,
-    replay,
-    envelope,
-    refine,
-    export,
-    batch,
-    library,
-    robot,
-    experiment,
-    schema,
-):
-    main.add_command(command)
+    # The matrices of mgs are too small to be shared among threads, whose start alone costs a sixth
+    # of the CPU time of a short command. NumPy reads this when it is imported, in the command.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

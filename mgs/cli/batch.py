@@ -20,7 +20,7 @@ sweep_argument = click.argument(
 )
 
 
-@click.group(short_help="Make a gait library: many variations of one gait.")
+@click.group()
 def batch() -> None:
     """Make a gait library: many variations of one gait.
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 MOST_TIMES = 100
 
 
-@click.command(short_help="Find the longest step and the fastest walk of a robot.")
+@click.command()
 @click.argument("robot_name", metavar="ROBOT")
 @click.option(
     "--gait", metavar="GAIT.yaml",

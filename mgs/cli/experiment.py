@@ -11,7 +11,7 @@ from mgs.cli.common import ProgressBar, json_option, print_json, with_progress
 from mgs.experiments import Claim
 
 
-@click.command(short_help="Repeat the experiments of a paper and test its claims.")
+@click.command()
 @click.argument("name", type=click.Choice(experiments.NAMES))
 @click.option(
     "-o", "--output", type=click.Path(file_okay=False, path_type=Path),

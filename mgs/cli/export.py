@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from mgs.motion.cycle import Cycle
 
 
-@click.command(short_help="Write joint angles and velocities as CSV or NumPy arrays.")
+@click.command()
 @motion_argument
 @click.option(
     "--format", "fmt", type=click.Choice(["csv", "npz"]), default="csv", show_default=True,

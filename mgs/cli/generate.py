@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from mgs.motion import Motion
 
 
-@click.command(short_help="Make a motion file from a gait file.")
+@click.command()
 @click.argument("gait", metavar="GAIT.yaml")
 @click.option(
     "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),

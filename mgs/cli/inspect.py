@@ -10,7 +10,7 @@ import click
 from mgs.cli.common import force_option, json_option, motion_argument, print_json
 
 
-@click.command(short_help="Print the contents and the origin of a motion file.")
+@click.command()
 @motion_argument
 @json_option
 def info(file: Path, as_json: bool) -> None:
@@ -42,7 +42,7 @@ def info(file: Path, as_json: bool) -> None:
             click.echo(f"{key}: {click.format_filename(str(value))}")
 
 
-@click.command(short_help="Plot footsteps, balance and joint trajectories of a motion.")
+@click.command()
 @motion_argument
 @click.option(
     "-o", "--output", type=click.Path(file_okay=False, path_type=Path),

@@ -42,7 +42,7 @@ feed_forward_option = click.option(
 )  # fmt: skip
 
 
-@click.command(short_help="Judge a motion by static checks and replays in physics.")
+@click.command()
 @motion_argument
 @click.option(
     "--physics", metavar="ENGINES",
@@ -128,7 +128,7 @@ def validate(
     ctx.exit(0 if verdict.passed else 1)
 
 
-@click.command(short_help="Execute a motion open loop in one physics engine.")
+@click.command()
 @motion_argument
 @click.option(
     "--engine", type=click.Choice(["pybullet", "mujoco"]),

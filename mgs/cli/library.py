@@ -32,7 +32,7 @@ columns_option = click.option(
 )  # fmt: skip
 
 
-@click.group(short_help="Query, export and summarize a gait library.")
+@click.group()
 def library() -> None:
     """Query, export and summarize a gait library made by mgs batch run.
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mgs.sim import ServoName
 
 
-@click.command(short_help="Correct a motion by the deviations that its replays show.")
+@click.command()
 @motion_argument
 @click.option(
     "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),

@@ -9,7 +9,7 @@ import click
 from mgs.cli.common import force_option, json_option, print_json
 
 
-@click.group(short_help="List, show, check and create robot descriptions.")
+@click.group()
 def robot() -> None:
     """List, show, check and create robot descriptions.
 

@@ -7,7 +7,7 @@ import click
 from mgs.cli.common import print_json
 
 
-@click.command(short_help="Print the JSON schema of gait, robot or sweep files.")
+@click.command()
 @click.argument("kind", type=click.Choice(["gait", "robot", "sweep"]))
 def schema(kind: str) -> None:
     """Print the JSON schema of gait, robot or sweep files.

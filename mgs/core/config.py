@@ -20,10 +20,19 @@ MAX_DEPTH = 30  # nesting of any file that we read is below 6
 
 
 class Model(pydantic.BaseModel):
-    """Base of all file models: frozen, strict, no unknown keys, no NaN or infinity."""
+    """Base of all file models: frozen, strict, no unknown keys, no NaN or infinity.
+
+    A model is built when it first validates something, so that a command pays for the kind of file
+    that it reads alone. For the same reason nested defaults are factories, not instances.
+    """
 
     model_config = pydantic.ConfigDict(
-        frozen=True, extra="forbid", strict=True, allow_inf_nan=False, validate_default=True
+        frozen=True,
+        extra="forbid",
+        strict=True,
+        allow_inf_nan=False,
+        validate_default=True,
+        defer_build=True,
     )
 
 

@@ -170,9 +170,9 @@ class IkParameters(Model):
     on_limit: Literal["refuse", "record"] = Field(
         "refuse", description="What to do when a joint leaves its range."
     )
-    faraji: FarajiParameters = FarajiParameters()
-    prioritized: PrioritizedParameters = PrioritizedParameters()
-    trajectory: TrajectoryParameters = TrajectoryParameters()
+    faraji: FarajiParameters = Field(default_factory=FarajiParameters)
+    prioritized: PrioritizedParameters = Field(default_factory=PrioritizedParameters)
+    trajectory: TrajectoryParameters = Field(default_factory=TrajectoryParameters)
     parameters: dict[str, Any] = Field(
         {}, description="Parameters of a solver from another package, whose guide lists them."
     )

@@ -29,7 +29,7 @@ class KickParameters(Model):
     """One kick: stand on the other foot, swing back, strike through the ball, come back, stand."""
 
     foot: Literal["left", "right"] = Field("right", description="Foot that kicks.")
-    ball: BallParameters = Field(BallParameters(), description="Ball that is struck.")
+    ball: BallParameters = Field(default_factory=BallParameters, description="Ball that is struck.")
     direction: float = Field(
         0.0, ge=-1.0, le=1.0, description="Where the ball shall go; positive: to the left [rad]."
     )

@@ -81,8 +81,8 @@ class WalkGait(GaitFile):
 
     motion: Literal["walk"] = Field(description="Kind of motion.")
     walk: WalkParameters
-    com: ComParameters = ComParameters()
-    ik: IkParameters = IkParameters()
+    com: ComParameters = Field(default_factory=ComParameters)
+    ik: IkParameters = Field(default_factory=IkParameters)
 
     @property
     def com_tolerance(self) -> float:
@@ -107,9 +107,9 @@ class KickGait(GaitFile):
     """A gait file with `motion: kick`."""
 
     motion: Literal["kick"] = Field(description="Kind of motion.")
-    kick: KickParameters = KickParameters()
-    com: ComParameters = ComParameters()
-    ik: IkParameters = IkParameters()
+    kick: KickParameters = Field(default_factory=KickParameters)
+    com: ComParameters = Field(default_factory=ComParameters)
+    ik: IkParameters = Field(default_factory=IkParameters)
 
     @model_validator(mode="after")
     def _rests_as_long_as_it_previews(self) -> KickGait:
@@ -135,7 +135,7 @@ class BalanceGait(GaitFile):
 
     motion: Literal["balance"] = Field(description="Kind of motion.")
     balance: BalanceParameters
-    ik: IkParameters = IkParameters()
+    ik: IkParameters = Field(default_factory=IkParameters)
 
     @property
     def com_tolerance(self) -> float:
@@ -153,7 +153,7 @@ class KeyframesGait(GaitFile):
 
     motion: Literal["keyframes"] = Field(description="Kind of motion.")
     keyframes: KeyframesParameters
-    ik: WholeBodyIkParameters = WholeBodyIkParameters()
+    ik: WholeBodyIkParameters = Field(default_factory=WholeBodyIkParameters)
 
     @property
     def com_tolerance(self) -> float:
@@ -176,7 +176,7 @@ class PickUpGait(GaitFile):
 
     motion: Literal["pick_up"] = Field(description="Kind of motion.")
     pick_up: PickUpParameters
-    ik: WholeBodyIkParameters = WholeBodyIkParameters()
+    ik: WholeBodyIkParameters = Field(default_factory=WholeBodyIkParameters)
 
     def payload(self, times: Array) -> Array | None:
         """Masses (N, 2) in left and right hand [kg]; they grow over the pause."""

@@ -8,8 +8,6 @@ Robotics 33(1), 2017. A linear program for each sample, solved by HiGHS.
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.optimize import linprog
 
 from mgs.core.arrays import Array
 from mgs.core.constants import FRICTION
@@ -23,6 +21,10 @@ def missing_wrenches(corners: Array, wrenches: Array) -> Array:
     Wrenches are forces and moments about the world origin that the ground has to exert. The forces
     stay inside pyramids within the friction cones of level ground.
     """
+    # a motion that stands on level ground at all times needs neither, and they load for long
+    import scipy.sparse as sp
+    from scipy.optimize import linprog
+
     turn = 2.0 * np.pi * np.arange(N_EDGES) / N_EDGES
     edges = np.stack([FRICTION * np.cos(turn), FRICTION * np.sin(turn), np.ones(N_EDGES)], axis=1)
     m, c = corners.shape[:2]

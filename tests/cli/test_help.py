@@ -2,29 +2,40 @@
 
 from __future__ import annotations
 
+import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import click
 import pytest
 
-import mgs
-from mgs.cli import main
+import mgs.cli
+from mgs.cli import COMMANDS, main
 from tests.support.commands import run
 
 HEAVY = [
     *("numpy", "scipy", "pinocchio", "control", "matplotlib", "pybullet", "mujoco", "mcap"),
     *("pydantic", "yaml", "dask", "distributed"),
 ]
+THREADS = "OPENBLAS_NUM_THREADS"
+
+
+def child(group: click.Group, name: str) -> click.Command:
+    """Subcommand of a group, imported now."""
+    command = group.get_command(click.Context(group), name)
+    assert command is not None
+    return command
 
 
 def commands(command: click.Command, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
     """Paths of a command and of its subcommands, such as ("robot", "list")."""
     yield path
     if isinstance(command, click.Group):
-        for name, child in command.commands.items():
-            yield from commands(child, (*path, name))
+        for name in command.list_commands(click.Context(command)):
+            yield from commands(child(command, name), (*path, name))
 
 
 ALL = list(commands(main))
@@ -54,6 +65,35 @@ def test_every_command_explains_itself_with_an_example(path: tuple[str, ...], op
     assert "\b" not in result.stdout
 
 
+def test_every_command_of_the_source_is_listed():
+    """The table of lazy commands forgets none: the source folder is searched for decorators."""
+    folder = Path(mgs.cli.__file__).parent
+    found = {
+        name
+        for path in folder.glob("*.py")
+        for name in re.findall(
+            r"^@click\.(?:command|group)\(.*?^def (\w+)\(",
+            path.read_text(),
+            re.DOTALL | re.MULTILINE,
+        )
+    }
+    assert found - {"main"} == {path[0] for path in ALL if len(path) == 1}
+
+
+def test_the_list_of_commands_is_what_click_prints_of_imported_ones():
+    eager = click.Group("mgs", commands={path[0]: child(main, path[0]) for path in ALL[1:]})
+    for command in eager.commands.values():
+        command.short_help = COMMANDS[str(command.name)].short_help
+
+    def section(group: click.Group) -> str:
+        formatter = click.HelpFormatter(width=80)
+        group.format_commands(click.Context(group), formatter)
+        return formatter.getvalue()
+
+    assert section(main) == section(eager)
+    assert "..." not in section(main)  # no line is cut
+
+
 def leaves(path: tuple[str, ...]) -> bool:
     return not any(other[: len(path)] == path and other != path for other in ALL)
 
@@ -64,7 +104,7 @@ def test_every_example_parses(path: tuple[str, ...]):
     command: click.Command = main
     for name in path:
         assert isinstance(command, click.Group)
-        command = command.commands[name]
+        command = child(command, name)
     lines = (line.strip().partition(" > ")[0].split() for line in (command.help or "").split("\n"))
     examples = [line[1 + len(path) :] for line in lines if line[:1] == ["mgs"]]
     assert examples
@@ -90,6 +130,49 @@ print("LOADED", *sorted(loaded & set({HEAVY!r})))
         [sys.executable, "-c", script], capture_output=True, text=True, check=True
     )
     assert done.stdout.splitlines()[-1] == "LOADED"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [(["--help"], set()), (["info", "--help"], {"inspect"}), (["robot", "list"], {"robot"})],
+)
+def test_only_the_module_of_the_command_that_is_called_is_imported(
+    arguments: list[str], expected: set[str]
+):
+    script = f"""
+import sys
+from mgs.cli import main
+try:
+    main({arguments!r}, prog_name="mgs")
+except SystemExit:
+    pass
+print("LOADED", *(name for name in sys.modules if name.startswith("mgs.cli.")))
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    loaded = {name.removeprefix("mgs.cli.") for name in done.stdout.split("LOADED")[1].split()}
+    assert loaded - {"lazy_group", "common"} == expected
+
+
+@pytest.mark.parametrize(("given", "expected"), [(None, "1"), ("3", "3")])
+def test_a_command_uses_one_thread_for_linear_algebra_unless_told_otherwise(
+    given: str | None, expected: str
+):
+    script = """
+import os
+from mgs.cli import main
+try:
+    main(["robot", "list"], prog_name="mgs")
+except SystemExit:
+    print("THREADS", os.environ["OPENBLAS_NUM_THREADS"])
+"""
+    environment = {key: value for key, value in os.environ.items() if key != THREADS}
+    environment |= {} if given is None else {THREADS: given}
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment
+    )
+    assert done.stdout.split()[-2:] == ["THREADS", expected]
 
 
 def test_the_version_is_the_version_of_the_package():
