@@ -2,11 +2,7 @@
 
 Format: MCAP specification (mcap.dev/spec). The library's `Writer.add_message` and its reader cost
 some microseconds a message, more than computing the motion. So only the rare records go through
-`mcap.records`; Message and Message Index records have fixed places, and are arrays here.
-
-    Message       05 length:8  channel:2 sequence:4 log_time:8 publish_time:8 data
-    MessageIndex  07 length:8  channel:2 size:4 (log_time:8 offset:8)*
-    Chunk         06 length:8  start:8 end:8 size:8 crc:4 len("zstd"):4 "zstd" size:8 data
+`mcap.records`; Message and Message Index records have fixed layouts and are arrays here.
 
 Every byte is under a checksum, that of the data section or that of the summary.
 """
@@ -43,26 +39,18 @@ from mcap.records import (
 from numpy.typing import NDArray
 
 from mgs.motion_file.cdr import Bytes, full_name, schema_text
-
-Times = NDArray[np.uint64]
-
-MAGIC = b"\x89MCAP0\r\n"
-COMPRESSION_LEVEL = 1  # zstd; joint angles are noise to it, level 3 saves 1 % and level 5 2 %
-BLOCK = 1 << 20  # [bytes] read at a time
-RECORD_HEAD = struct.Struct("<BQ")  # of any record: opcode, length of the rest
-CHUNK_HEAD = struct.Struct("<BQQQQII4sQ")
-INDEX_HEAD = struct.Struct("<BQHI")
-MESSAGE = np.dtype(
-    [
-        ("opcode", "u1"),
-        ("length", "<u8"),
-        ("channel", "<u2"),
-        ("sequence", "<u4"),
-        ("log_time", "<u8"),
-        ("publish_time", "<u8"),
-    ]
+from mgs.motion_file.mcap_layout import (
+    CHUNK_HEAD,
+    HEAD,
+    INDEX_HEAD,
+    MAGIC,
+    MESSAGE,
+    RECORD_HEAD,
+    Times,
+    crc_of,
 )
-HEAD = MESSAGE.itemsize  # of a message, before its data [bytes]
+
+COMPRESSION_LEVEL = 1  # zstd; joint angles are noise to it, level 3 saves 1 % and level 5 2 %
 
 # ROS 2 quality of service as rosbag2 records it, in numbers because Humble reads no names. {} is 1
 # for transient-local (late subscribers get it too) or 2 for volatile; durations are infinite.
@@ -281,12 +269,3 @@ class ChunkWriter:
 def _content(builder: RecordBuilder) -> bytes:
     content: bytes = builder.end()  # type: ignore[no-untyped-call]
     return content
-
-
-def crc_of(stream: BinaryIO, start: int, end: int) -> int:
-    """CRC-32 of a stream's bytes from start to end; leaves the stream at the end."""
-    crc = 0
-    stream.seek(start)
-    for at in range(start, end, BLOCK):
-        crc = zlib.crc32(stream.read(min(BLOCK, end - at)), crc)
-    return crc

@@ -9,10 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, BinaryIO, Literal
 
-import numpy as np
 import zstandard
 from mcap.exceptions import McapError
-from numpy.typing import NDArray
 from pydantic import Field, PlainValidator, TypeAdapter
 
 from mgs.core.config import Model, build
@@ -26,22 +24,14 @@ from mgs.motion.provenance import Provenance
 from mgs.motion_file.cdr import full_name
 from mgs.motion_file.check import find_problem
 from mgs.motion_file.latched_topics import ONCE_TOPICS
-from mgs.motion_file.mcap_reader import Chunk, ChunkReader, DamagedFileError
-from mgs.motion_file.topics import (
-    SUPPORT_TOPIC,
-    SampleTopic,
-    field_shapes,
-    sample_topics,
-    split_stamps,
-    stamps_ns,
-    support_layouts,
-)
+from mgs.motion_file.mcap_reader import McapReader
+from mgs.motion_file.mcap_records import UnreadableFileError
+from mgs.motion_file.read_samples import read_samples
+from mgs.motion_file.topics import SUPPORT_TOPIC, SampleTopic, sample_topics, stamps_ns
 from mgs.motion_file.transforms import link_tree
 from mgs.motion_file.write import FORMAT_VERSION
 from mgs.robot import Robot, build_robot
 
-Times = NDArray[np.uint64]
-BYTES_PER_INDEX_ENTRY = 16
 JSON_KEYS = ("dt", "samples", "duration", "mass", "solver", "provenance", "footsteps", "scene")
 
 
@@ -137,20 +127,20 @@ def read_info(path: Path) -> dict[str, Any]:
     path = Path(path)
     with _all_errors_naming(path), path.open("rb") as stream:
         reader = _open(path, stream)
-        values = _parsed(reader.read_metadata("mgs"))
+        values = _parsed(reader.read_metadata())
         topics = [
             {"topic": topic, "type": reader.kind(topic), "messages": reader.count(topic)}
-            for topic in reader.channels
+            for topic in reader.topics
         ]
         attachments = [
             {"name": a.name, "media_type": a.media_type, "bytes": a.data_size}
-            for a in reader.attachments.values()
+            for a in reader.contents.attachments.values()
         ]
         return {
             "file": str(path),
-            "bytes": reader.size,
-            "profile": reader.header.profile,
-            "library": reader.header.library,
+            "bytes": reader.file.size,
+            "profile": reader.file.header.profile,
+            "library": reader.file.header.library,
             "duration": values["duration"],
             "metadata": values,
             "topics": topics,
@@ -167,7 +157,7 @@ def _all_errors_naming(path: Path) -> Iterator[None]:
         raise
     except OSError as error:
         raise MotionFileError(path, (error.strerror or str(error)).lower()) from error
-    except DamagedFileError as error:
+    except UnreadableFileError as error:
         raise MotionFileError(path, str(error)) from error
     except ConfigError as error:
         raise MotionFileError(path, str(error).removeprefix(f"{path}: ")) from error
@@ -186,13 +176,10 @@ def _all_errors_naming(path: Path) -> Iterator[None]:
         raise MotionFileError(path, f"not laid out as a motion file ({reason})") from error
 
 
-def _open(path: Path, stream: BinaryIO) -> ChunkReader:
+def _open(path: Path, stream: BinaryIO) -> McapReader:
     """Reader of an undamaged motion file of this format."""
-    reader = ChunkReader(stream)
-    if reader.header.profile != "ros2" or "mgs" not in reader.metadata:
-        raise MotionFileError(path, "an MCAP file, but not a motion file that mgs wrote")
-    reader.check_data()
-    version = reader.read_metadata("mgs").get("schema_version")
+    reader = McapReader(stream)
+    version = reader.read_metadata().get("schema_version")
     if version != str(FORMAT_VERSION):
         raise MotionFileError(
             path, f"written in format {version!r}; this mgs reads format {FORMAT_VERSION}"
@@ -204,14 +191,14 @@ def _parsed(values: dict[str, str]) -> dict[str, Any]:
     return {key: json.loads(v) if key in JSON_KEYS else v for key, v in values.items()}
 
 
-def _read(path: Path, reader: ChunkReader) -> Motion:
-    values = _parsed(reader.read_metadata("mgs"))
+def _read(path: Path, reader: McapReader) -> Motion:
+    values = _parsed(reader.read_metadata())
     wanted = {key: values[key] for key in MotionMetadata.model_fields if key in values}
     meta = build(MotionMetadata, wanted, f"{path}: metadata")
     robot, gait = _read_attachments(path, reader)
     topics = sample_topics(robot, link_tree(robot))
     _check_topics(path, reader, topics, meta.samples)
-    arrays, support = _read_samples(reader, robot, topics, stamps_ns(meta.samples, meta.dt))
+    arrays = read_samples(reader, robot.n, topics, stamps_ns(meta.samples, meta.dt))
     return Motion(
         robot=robot,
         gait=gait,
@@ -220,7 +207,6 @@ def _read(path: Path, reader: ChunkReader) -> Motion:
         footsteps=tuple(
             Footstep(Side[s.side.upper()], s.x, s.y, s.yaw, s.z) for s in meta.footsteps
         ),
-        support=support,
         provenance=meta.provenance,
         scene=Scene(
             boxes=tuple(Box(**box.model_dump()) for box in meta.scene.boxes),
@@ -230,10 +216,10 @@ def _read(path: Path, reader: ChunkReader) -> Motion:
     )
 
 
-def _read_attachments(path: Path, reader: ChunkReader) -> tuple[Robot, Gait]:
+def _read_attachments(path: Path, reader: McapReader) -> tuple[Robot, Gait]:
     names = ("gait.yaml", "robot.yaml", "robot.urdf")
     for name in names:
-        if name not in reader.attachments:
+        if name not in reader.contents.attachments:
             raise MotionFileError(path, f"attachment {name} is missing")
     gait, robot, urdf = (reader.read_attachment(name).decode() for name in names)
     return (
@@ -243,15 +229,13 @@ def _read_attachments(path: Path, reader: ChunkReader) -> tuple[Robot, Gait]:
 
 
 def _check_topics(
-    path: Path, reader: ChunkReader, topics: list[SampleTopic], n_samples: int
+    path: Path, reader: McapReader, topics: list[SampleTopic], n_samples: int
 ) -> None:
-    if n_samples * BYTES_PER_INDEX_ENTRY > reader.size:  # before arrays of that length are made
-        raise MotionFileError(path, f"too small a file for {n_samples} samples")
     expected = {topic: (kind, 1) for topic, kind in ONCE_TOPICS.items()}
     expected |= {topic.name: (topic.kind, n_samples) for topic in topics}
     expected[SUPPORT_TOPIC] = ("std_msgs/String", n_samples)
     for topic, (kind, count) in expected.items():
-        if topic not in reader.channels:
+        if topic not in reader.topics:
             raise MotionFileError(path, f"topic {topic} is missing")
         if reader.kind(topic) != full_name(kind):
             raise MotionFileError(path, f"topic {topic} is {reader.kind(topic)}, not {kind}")
@@ -259,66 +243,3 @@ def _check_topics(
             raise MotionFileError(
                 path, f"topic {topic} has {reader.count(topic)} messages, not {count}"
             )
-
-
-def _read_samples(
-    reader: ChunkReader, robot: Robot, topics: list[SampleTopic], times: Times
-) -> tuple[dict[str, Any], NDArray[np.int8]]:
-    """Float arrays of a motion by name, and support (N,)."""
-    n = len(times)
-    arrays = {name: np.empty((n, *shape)) for name, shape in field_shapes(robot.n).items()}
-    support = np.empty(n, dtype=np.int8)
-    names = [*(topic.name for topic in topics), SUPPORT_TOPIC]
-    channels = {name: reader.channels[name].id for name in names}
-    done = dict.fromkeys(names, 0)
-    for index in reader.chunks:
-        if not set(channels.values()) & set(index.message_index_offsets):
-            continue
-        chunk = reader.read_chunk(index)
-        for topic in topics:
-            samples = _next_samples(chunk, channels, topic.name, done, times)
-            _read_topic(chunk, channels[topic.name], topic, arrays, times, samples)
-        samples = _next_samples(chunk, channels, SUPPORT_TOPIC, done, times)
-        _read_support(chunk, channels[SUPPORT_TOPIC], support[samples])
-    if any(count != n for count in done.values()):
-        raise DamagedFileError("messages are missing")
-    return arrays, support
-
-
-def _next_samples(
-    chunk: Chunk, channels: dict[str, int], topic: str, done: dict[str, int], times: Times
-) -> slice:
-    """Samples that a chunk holds of a topic; counts them as done."""
-    found = chunk.times(channels[topic])
-    samples = slice(done[topic], done[topic] + len(found))
-    if not np.array_equal(found, times[samples]):
-        raise DamagedFileError(f"the messages of {topic} are not in step with dt")
-    done[topic] = samples.stop
-    return samples
-
-
-def _read_topic(
-    chunk: Chunk,
-    channel: int,
-    topic: SampleTopic,
-    arrays: dict[str, Any],
-    times: Times,
-    samples: slice,
-) -> None:
-    columns = topic.layout.decode(chunk.messages(channel, topic.layout.size))
-    if not np.array_equal(columns["stamp"], split_stamps(times[samples])):
-        raise DamagedFileError(f"a stamp in {topic.name} is not the time of its message")
-    for slot, part in topic.columns(arrays, samples).items():
-        part[:] = columns[slot]
-
-
-def _read_support(chunk: Chunk, channel: int, support: NDArray[np.int8]) -> None:
-    """Fill support (N,) from the messages of one chunk."""
-    sizes = chunk.sizes(channel)
-    support[:] = -1
-    for s, layout in support_layouts().items():
-        chosen = np.flatnonzero(sizes == layout.size)
-        layout.decode(chunk.messages(channel, layout.size, chosen))
-        support[chosen] = s
-    if (support < 0).any():
-        raise DamagedFileError(f"{SUPPORT_TOPIC} says something other than double, left or right")

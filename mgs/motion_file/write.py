@@ -21,10 +21,8 @@ from mgs.motion import Motion
 from mgs.motion.servo_commands import servo_commands
 from mgs.motion_file.check import find_problem
 from mgs.motion_file.latched_topics import ONCE_TOPICS, small_messages, trajectory_message
+from mgs.motion_file.mcap_layout import HEAD, MESSAGE, RECORD_HEAD
 from mgs.motion_file.mcap_writer import (
-    HEAD,
-    MESSAGE,
-    RECORD_HEAD,
     Block,
     ChunkWriter,
     block_of_message,

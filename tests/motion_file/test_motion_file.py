@@ -34,83 +34,24 @@ from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 from mgs import motion_file
-from mgs.core.contact import Footstep, Side, Support
+from mgs.core.contact import Side, Support
 from mgs.core.errors import MgsError, MotionFileError, OutputExistsError
-from mgs.core.plugins import Origin
 from mgs.gait import BalanceGait
 from mgs.motion import Motion
-from mgs.motion.provenance import Corrections, FilterReport, Provenance, ZmpError
 from mgs.motion.servo_commands import servo_commands
 from mgs.motion_file import read_info, read_motion, write_motion
 from mgs.motion_file.cdr import message_layout
 from mgs.pipeline import run_stages
 from mgs.robot import Robot, load_robot
 from tests.support.crooked import crooked_robot
-from tests.support.strategies import balance_gait, figure_eight, sine, walk_gait
+from tests.support.motion_files import ARRAYS, SIDED, assert_same, random_motion
+from tests.support.strategies import balance_gait, figure_eight, sine
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 START_NS = 10**9
-DT = 0.0123  # [s]; no multiple of it but 0 is a whole number of milliseconds
-ARRAYS = ("q", "v", "torque", "com", "com_ref", "zmp", "zmp_ref", "torso", "torso_ref")
-SIDED = ("soles", "soles_ref", "hands", "hands_ref")
 ONCE = {"/robot_description", "/tf_static", "/footsteps", "/joint_trajectory"}
 CUBE = 1  # visualization_msgs/Marker
 SHORT = message_layout("std_msgs/String", {"data": "up"})  # no message of /support
-EXTREMES = (-0.0, 5e-324, 1.7976931348623157e308, 0.1)
-
-
-def random_motion(robot: Robot, n_samples: int = 25, seed: int = 0) -> Motion:
-    """Random numbers, among them the awkward ones, wherever a motion has numbers."""
-    rng = np.random.default_rng(seed)
-    n = robot.n
-
-    def numbers(*shape: int) -> np.ndarray[Any, np.dtype[np.float64]]:
-        values = rng.normal(size=(n_samples, *shape))
-        values.flat[: len(EXTREMES)] = EXTREMES[: values.size]
-        return values
-
-    q = rng.uniform(-1.5, 1.5, size=(n_samples, 7 + n))
-    q[:, 3:7] /= np.linalg.norm(q[:, 3:7], axis=1, keepdims=True)
-    return Motion(
-        robot=robot,
-        gait=walk_gait(dt=DT, step_length=0.1 + 0.2, com={"weight_jerk": 1e-6}),
-        gait_name="größe/test",
-        dt=DT,
-        footsteps=(Footstep(Side.LEFT, 0.1 + 0.2, 1 / 3, -0.1), Footstep(Side.RIGHT, 0.0, -0.1, 3)),
-        support=rng.integers(0, 3, n_samples).astype(np.int8),
-        q=q,
-        v=numbers(6 + n),
-        torque=numbers(n),
-        com=numbers(3),
-        com_ref=numbers(3),
-        zmp=numbers(2),
-        zmp_ref=numbers(2),
-        soles=numbers(2, 7),
-        soles_ref=numbers(2, 7),
-        hands=numbers(2, 7),
-        hands_ref=numbers(2, 3),
-        torso=numbers(7),
-        torso_ref=numbers(4),
-        provenance=Provenance(
-            Origin("clik", "mgs", "0.3"),
-            Origin("qp", "elsewhere", "1.0"),
-            tuning={"gamma_joint": 0.35, "iterations": None, "weights": [1.0, 1e-6]},
-            report={"newton_updates": 3},
-            zmp_error=FilterReport(ZmpError(1e-3, 2e-3), ZmpError(1e-4, 2e-4), 2),
-            refined=Corrections((0.5, 0.25), ("mujoco",)),
-            parts=(Provenance(Origin("ik4", "mgs", "0.3")),),
-        ),
-    )
-
-
-def assert_same(a: Motion, b: Motion) -> None:
-    for name in (*ARRAYS, *SIDED, "support"):
-        x, y = getattr(a, name), getattr(b, name)
-        assert (x.dtype, x.shape, x.tobytes()) == (y.dtype, y.shape, y.tobytes()), name
-    for name in ("gait", "gait_name", "dt", "footsteps", "provenance"):
-        assert getattr(a, name) == getattr(b, name), name
-    assert (a.robot.yaml, a.robot.urdf) == (b.robot.yaml, b.robot.urdf)
-    assert a.robot.joint_names == b.robot.joint_names
 
 
 def stamp_ns(stamp: Any) -> int:
@@ -600,17 +541,17 @@ def test_an_mcap_file_of_others_is_refused(profile: str, crcs: bool, tmp_path: P
     schema = writer.register_schema("std_msgs/msg/String", "ros2msg", b"string data")
     writer.add_message(writer.register_channel("/a", "cdr", schema), 1, b"", 1)
     writer.finish()
-    assert ("not a motion file that mgs wrote" if crcs else "mgs did not write") in refused(path)
+    assert "not a motion file that mgs wrote" in refused(path)
 
 
-def test_an_mcap_file_without_a_summary_is_refused(tmp_path: Path) -> None:
+def test_an_mcap_file_with_nothing_in_it_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "a.mcap"
     flags = {"repeat_channels": False, "repeat_schemas": False, "use_statistics": False}
     index = mcap.writer.IndexType.NONE
     writer = mcap.writer.Writer(str(path), index_types=index, use_summary_offsets=False, **flags)
     writer.start("ros2", "test")
     writer.finish()
-    assert "no summary" in refused(path)
+    assert "not a motion file that mgs wrote" in refused(path)
 
 
 def test_a_file_cut_anywhere_is_refused(tmp_path: Path) -> None:
@@ -740,5 +681,15 @@ def test_a_number_of_samples_beyond_the_file_takes_no_memory(
         "mgs.motion_file.write.metadata", lambda m: {**values(m), "samples": "1000000000"}
     )
     write_motion(random_motion(melson), path)
+    with pytest.raises(MotionFileError, match="has 25 messages, not 1000000000"):
+        read_motion(path)
+    statistics = motion_file.mcap_writer.Statistics
+    monkeypatch.setattr(
+        "mgs.motion_file.mcap_writer.Statistics",
+        lambda channel_message_counts, **counts: statistics(
+            channel_message_counts=dict.fromkeys(channel_message_counts, 10**9), **counts
+        ),
+    )
+    write_motion(random_motion(melson), path, force=True)
     with pytest.raises(MotionFileError, match="too small a file"):
         read_motion(path)

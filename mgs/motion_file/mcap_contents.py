@@ -1,0 +1,113 @@
+"""What an MCAP file holds and where, by the summary at its end."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import mcap.records
+import numpy as np
+from mcap.opcode import Opcode
+from mcap.records import (
+    AttachmentIndex,
+    Channel,
+    ChunkIndex,
+    McapRecord,
+    MetadataIndex,
+    Schema,
+    Statistics,
+)
+from mcap.stream_reader import StreamReader
+from numpy.typing import NDArray
+
+from mgs.motion_file.mcap_chunk import Chunk, unpack
+from mgs.motion_file.mcap_layout import INDEX_HEAD
+from mgs.motion_file.mcap_records import RecordFile, UnreadableFileError
+
+BYTES_PER_INDEX_ENTRY = 16
+
+
+@dataclass(frozen=True)
+class Place:
+    """Messages that stand together in a file."""
+
+    channels: frozenset[int]  # that have messages here
+    load: Callable[[], Chunk]
+
+
+@dataclass(frozen=True)
+class Contents:
+    """Everything in a file but its messages, and where these are."""
+
+    schemas: dict[int, Schema]
+    channels: dict[int, Channel]
+    counts: dict[int, int]  # messages by channel
+    attachments: dict[str, AttachmentIndex]
+    metadata: dict[str, MetadataIndex]
+    places: list[Place]
+    in_order: bool  # the messages of each channel follow one another in time
+
+
+def contents_of_summary(file: RecordFile) -> Contents | None:
+    """Contents by the summary; None where it says less than that of a file that mgs wrote.
+
+    Raises:
+        UnreadableFileError: the summary speaks of more messages than the file can hold.
+    """
+    if file.summary_start is None or not file.has_checksums:
+        return None
+    records = _records_of_summary(file, file.summary_start)
+    chunks = [r for r in records if isinstance(r, ChunkIndex)]
+    contents = Contents(
+        schemas={r.id: r for r in records if isinstance(r, Schema)},
+        channels={r.id: r for r in records if isinstance(r, Channel)},
+        counts=next((r.channel_message_counts for r in records if isinstance(r, Statistics)), {}),
+        attachments={r.name: r for r in records if isinstance(r, AttachmentIndex)},
+        metadata={r.name: r for r in records if isinstance(r, MetadataIndex)},
+        places=[
+            Place(frozenset(c.message_index_offsets), partial(_load_indexed, file, c))
+            for c in chunks
+        ],
+        in_order=True,
+    )
+    if not _is_complete(contents, records, chunks):
+        return None
+    n_messages = sum(contents.counts.values())
+    if n_messages * BYTES_PER_INDEX_ENTRY > file.size:
+        raise UnreadableFileError(f"too small a file for {n_messages} messages")
+    return contents
+
+
+def _records_of_summary(file: RecordFile, start: int) -> list[McapRecord]:
+    summary = file.bytes_at(start, file.size - start)
+    return list(StreamReader(io.BytesIO(summary), skip_magic=True).records)
+
+
+def _is_complete(contents: Contents, records: list[McapRecord], chunks: list[ChunkIndex]) -> bool:
+    """Whether the summary leads to every message, attachment and metadata record."""
+    found = (len(contents.attachments), len(contents.metadata), len(contents.channels), len(chunks))
+    counted = [
+        (s.attachment_count, s.metadata_count, s.channel_count, s.chunk_count)
+        for s in records
+        if isinstance(s, Statistics)
+    ]
+    return counted == [found] and bool(chunks) and all(c.message_index_offsets for c in chunks)
+
+
+def _load_indexed(file: RecordFile, index: ChunkIndex) -> Chunk:
+    """Chunk with the entries of its message indexes."""
+    data = unpack(file.record_at(index.chunk_start_offset, Opcode.CHUNK, mcap.records.Chunk.read))
+    offsets = index.message_index_offsets
+    entries = {channel: _index_entries(file, at, channel) for channel, at in offsets.items()}
+    return Chunk(np.frombuffer(data, dtype=np.uint8), entries)
+
+
+def _index_entries(file: RecordFile, offset: int, channel: int) -> NDArray[np.uint64]:
+    """Times and offsets (N, 2) of a channel's messages in a chunk."""
+    opcode, _, found, size = INDEX_HEAD.unpack(file.bytes_at(offset, INDEX_HEAD.size))
+    if (opcode, found) != (Opcode.MESSAGE_INDEX, channel):
+        raise UnreadableFileError("a message index is not where it should be")
+    entries = file.bytes_at(offset + INDEX_HEAD.size, size)
+    return np.frombuffer(entries, dtype="<u8").reshape(-1, 2)
