@@ -18,28 +18,38 @@ EndsAndCount = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
 class Axis(Model):
-    """Values of one key: one of its ways to state them; a plain list is `values`."""
+    """Values of one key, given by exactly one of these forms; a plain list means `values`."""
 
     values: list[Any] | None = Field(
-        None, min_length=1, max_length=MAX_GAITS, description="The values themselves."
+        None, min_length=1, max_length=MAX_GAITS, description="List of values of any type."
     )
     linspace: EndsAndCount | None = Field(
-        None, description="First, last and number of values, evenly spaced."
+        None,
+        description="Evenly spaced values: first value, last value, number of values; values in "
+        "the unit of the key.",
     )
     logspace: EndsAndCount | None = Field(
-        None, description="First, last and number of values, each the same ratio to the next."
+        None,
+        description="Values with a constant ratio between neighbours: first value, last value, "
+        "number of values; values in the unit of the key.",
     )
     integers: Annotated[list[int], Field(min_length=2, max_length=2)] | None = Field(
-        None, description="First and last of consecutive whole numbers."
+        None, description="All integers of a range: first, last."
     )
-    uniform: Ends | None = Field(None, description="Range of draws; not for a grid.")
+    uniform: Ends | None = Field(
+        None,
+        description="Range of uniformly distributed random values, in the unit of the key: lower, "
+        "upper; only with sampling latin_hypercube or sobol.",
+    )
     log_uniform: Ends | None = Field(
-        None, description="Range of draws whose logarithm is uniform; not for a grid."
+        None,
+        description="Range of random values with uniformly distributed logarithm, in the unit of "
+        "the key: lower, upper; only with sampling latin_hypercube or sobol.",
     )
 
     @property
     def kind(self) -> str:
-        """Which way it is."""
+        """Name of the form that gives the values."""
         return next(kind for kind in KINDS if getattr(self, kind) is not None)
 
     @model_validator(mode="after")
@@ -65,7 +75,7 @@ class Axis(Model):
     def __get_pydantic_json_schema__(
         cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        """The mapping, or the list that stands for `values`."""
+        """Schema of either a mapping with one key, or a plain list of values."""
         mapping = handler.resolve_ref_schema(handler(core_schema))
         mapping["minProperties"] = mapping["maxProperties"] = 1
         return {"anyOf": [{"type": "array", "minItems": 1}, mapping]}
@@ -79,35 +89,45 @@ AnyAxis = Annotated[Axis, BeforeValidator(_list_as_values)]
 
 
 class Sweep(Model):
-    """Which gaits a library has: variations of a base gait."""
+    """Sweep file: the gaits of a library as variations of a base gait."""
 
-    mgs: FormatVersion = Field(description="Version of this format.")
+    mgs: FormatVersion = Field(description="Version of the file format.")
     base: str = Field(
-        min_length=1, max_length=4096, description="Gait file or shipped gait that is varied."
+        min_length=1,
+        max_length=4096,
+        description="Base gait: a gait file or the name of a shipped gait.",
     )
     sampling: Literal["grid", "latin_hypercube", "sobol", "table"] = Field(
         "grid",
-        description="grid: every combination of all axes; latin_hypercube, sobol: `samples` draws "
-        "that fill the space of the axes; table: rows of a CSV file, each with every combination "
-        "of the axes, if there are any.",
+        description="Method that chooses the gaits. grid: every combination of all axes. "
+        "latin_hypercube, sobol: random draws that fill the space of the axes evenly. table: rows "
+        "of a CSV file, each combined with every combination of the axes.",
     )
     samples: int | None = Field(
-        None, ge=1, le=MAX_GAITS, description="Number of draws; sobol does best with a power of 2."
+        None,
+        ge=1,
+        le=MAX_GAITS,
+        description="Number of random draws, for latin_hypercube and sobol; a power of 2 is best "
+        "for sobol.",
     )
-    seed: int = Field(0, ge=0, le=2**32 - 1, description="Of the draws.")
+    seed: int = Field(0, ge=0, le=2**32 - 1, description="Seed of the random draws.")
     table: str | None = Field(
         None,
         min_length=1,
         max_length=4096,
-        description="CSV file, its place relative to the sweep file; its first row names the keys.",
+        description="Path of the CSV file, relative to the sweep file; the first row of this file "
+        "holds the keys.",
     )
     axes: dict[str, AnyAxis] = Field(
-        {}, max_length=50, description="Dotted keys of the gait file and the values that they take."
+        {},
+        max_length=50,
+        description="Values of each varied key; keys are dotted keys of the gait file.",
     )
     filters: list[str] = Field(
         [],
         max_length=100,
-        description="Conditions on keys of the gait that all of its variations kept fulfil.",
+        description="Conditions on keys of the gait; gaits that do not meet all of them are left "
+        "out.",
     )
 
     @model_validator(mode="after")

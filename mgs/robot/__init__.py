@@ -1,4 +1,4 @@
-"""Robots: a URDF and a robot.yaml joined into one Pinocchio model with soles, hands and limits."""
+"""Robots: URDF and robot.yaml combined in a Pinocchio model with soles, hands and limits."""
 
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.robot.build import build_robot

@@ -1,4 +1,4 @@
-"""A robot built from the texts of its two files, checked against each other."""
+"""Construction of a robot from the texts of robot.yaml and URDF, with checks of consistency."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from mgs.robot.urdf_lock import lock_joints
 
 
 def build_robot(yaml_text: str, urdf_text: str, source: str | Path) -> Robot:
-    """Robot from the texts of its two files; `source` names robot.yaml in messages.
+    """Build a robot from the texts of its two files; messages name robot.yaml by `source`.
 
-    Locked joints are fixed in `Robot.urdf`, from which the same robot can be built again.
+    Locked joints are fixed joints in `Robot.urdf`, so that this text gives the same robot again.
     """
     spec = build(RobotSpec, parse_yaml(yaml_text, source), source)
     urdf_text = lock_joints(urdf_text, spec.locked, str(source), spec.urdf)
@@ -81,7 +81,7 @@ def _check_names(
         kind = model.joints[joint]
         if kind.nq != 1 or not kind.shortname().startswith("JointModelR"):
             problems.append(f"{spec.urdf}: joint {name} is not a revolute joint with limits")
-        if name in model.names[:2]:  # its link would be welded to the floating base
+        if name in model.names[:2]:  # Pinocchio would attach the link to the floating base
             problems.append(f"{spec.urdf}: joint {name}: a name taken by Pinocchio; rename it")
     frames: dict[str, FrameSpec] = {
         "torso": spec.torso,
@@ -122,29 +122,32 @@ def _check_names(
 def _narrow(
     spec: RobotSpec, names: tuple[str, ...], lower: Array, upper: Array, problems: list[str]
 ) -> None:
-    """Replace limits (n,) of the URDF by those of robot.yaml where it has some."""
+    """Replace limits (n,) of the URDF by the limits in robot.yaml, if given."""
     for name, (low, high) in spec.limits.items():
         j = names.index(name)
         if lower[j] <= low < high <= upper[j]:
             lower[j], upper[j] = low, high
         else:
             problems.append(
-                f"limits.{name}: [{low:g}, {high:g}] is not a range within "
-                f"[{lower[j]:.4f}, {upper[j]:.4f}], that of {spec.urdf}"
+                f"limits.{name}: [{low:g}, {high:g}] rad is not a range within the range "
+                f"[{lower[j]:.4f}, {upper[j]:.4f}] rad in {spec.urdf}"
             )
 
 
 def _check_bodies(spec: RobotSpec, model: pin.Model, problems: list[str]) -> None:
     for inertia, joint in zip(model.inertias[1:], model.names[1:], strict=True):
         if not 0.0 <= inertia.mass <= MAX_MASS:
-            problems.append(f"{spec.urdf}: the links moved by {joint} weigh {inertia.mass:g} kg")
+            problems.append(
+                f"{spec.urdf}: the links moved by {joint} have a mass of {inertia.mass:g} kg, "
+                f"outside [0, {MAX_MASS:g}] kg"
+            )
     for placement, joint in zip(model.jointPlacements[1:], model.names[1:], strict=True):
         if not np.abs(placement.translation).max() <= MAX_LENGTH:
             problems.append(
                 f"{spec.urdf}: joint {joint} is more than {MAX_LENGTH:g} m from its parent"
             )
     if not problems and not pin.computeTotalMass(model) > 0.0:
-        problems.append(f"{spec.urdf}: no link has a mass")
+        problems.append(f"{spec.urdf}: no link has a mass; add inertial elements")
 
 
 def _check_joint(
@@ -152,15 +155,17 @@ def _check_joint(
 ) -> None:
     low, high, speed, angle = figures
     if not speed > 0.0:
-        problems.append(f"{spec.urdf}: joint {name}: limit velocity = {speed:g} rad/s")
+        problems.append(
+            f"{spec.urdf}: joint {name}: limit velocity = {speed:g} rad/s, must be above 0 rad/s"
+        )
     if not low < high:
         problems.append(f"{spec.urdf}: joint {name}: limits [{low}, {high}] are empty")
     elif max(-low, high) > MAX_ANGLE:
-        problems.append(f"{spec.urdf}: joint {name}: limits beyond +-{MAX_ANGLE:g} rad")
+        problems.append(f"{spec.urdf}: joint {name}: limits exceed +-{MAX_ANGLE:g} rad")
     elif not low <= angle <= high:
         problems.append(
             f"posture.{name}: {angle:.4f} rad is outside the joint's range "
-            f"[{low:.4f}, {high:.4f}] in {spec.urdf}"
+            f"[{low:.4f}, {high:.4f}] rad in {spec.urdf}"
         )
 
 

@@ -1,4 +1,4 @@
-"""Collision shapes of a robot: the pairs that may not touch, and the boxes around them."""
+"""Collision shapes of a robot: the pairs of links that must not touch, and bounding boxes."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ def shape_corners(geometry: pin.GeometryModel) -> Array:
 def collision_geometry(
     model: pin.Model, urdf: str, ignored: Iterable[Iterable[str]], source: str
 ) -> pin.GeometryModel:
-    """Collision shapes of a URDF text, with every pair of links that may not touch.
+    """Collision shapes of a URDF text, with every pair of links that must not touch.
 
-    Left out are pairs on the same or on neighbouring joints, and the `ignored` ones.
+    Pairs on the same joint or on neighbouring joints are left out, and the `ignored` pairs.
 
     Raises:
         ConfigError: Pinocchio cannot read the shapes; `source` names the URDF.

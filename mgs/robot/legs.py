@@ -1,10 +1,11 @@
-"""What the joints of a leg cannot do: legs of five joints lack a turn of the sole.
+"""Missing rotation of the sole in legs with five joints.
 
-A leg places its sole against the pelvis, six coordinates. With five joints one combination stays
-out of reach: the left null vector of the leg's Jacobian. Without hip yaw it is a turn about the
-vertical, without ankle roll one about the forward axis. The sole keeps this turn by itself as long
-as the pelvis keeps upright (no hip yaw: all pitches add up to zero), or level and straight ahead
-(no ankle roll: legs stay parallel); therefore the IK holds the pelvis in place of the turn.
+The pose of a sole relative to the pelvis has six coordinates. A leg with five joints cannot reach
+one combination of them: the left null vector of its Jacobian. Without hip yaw this is a rotation
+about the vertical axis, without ankle roll a rotation about the forward axis. The sole keeps the
+right orientation about this axis if the pelvis stays upright (no hip yaw: all pitch angles sum to
+zero), or stays level and faces straight ahead (no ankle roll: the legs stay parallel). Therefore
+the inverse kinematics constrains the pelvis instead of this rotation of the sole.
 """
 
 from __future__ import annotations
@@ -19,17 +20,17 @@ from mgs.core.errors import ConfigError
 from mgs.robot.limbs import leg_joints
 from mgs.robot.robot import Robot
 
-FULL_LEG = 6  # joints that can place a sole anywhere
+FULL_LEG = 6  # number of joints that can reach any pose of a sole
 
 
 Turn = Literal["roll", "yaw"]
 
 
 def missing_turn(robot: Robot) -> Turn | None:
-    """Turn of the soles that the legs lack; None of legs with six joints or more.
+    """Rotation of the soles that the legs cannot make; None for legs with six joints or more.
 
     Raises:
-        ConfigError: they lack pitch or more than one turn, so that no sole could be kept level.
+        ConfigError: pitch or more than one rotation is missing, so that soles cannot be kept level.
     """
     joints = leg_joints(robot, Side.LEFT)
     if len(joints) >= FULL_LEG:
@@ -44,7 +45,7 @@ def missing_turn(robot: Robot) -> Turn | None:
         names = ", ".join(str(robot.model.names[joint]) for joint in joints)
         raise ConfigError(
             robot.source,
-            f"legs of {len(joints)} joints ({names}) cannot keep a sole level where it is put; "
-            "all but hip yaw or ankle roll are needed",
+            f"legs of {len(joints)} joints ({names}) cannot keep a sole level; of the six joints "
+            "of a leg only hip yaw or ankle roll may be missing",
         )
     return "roll" if axis == 0 else "yaw"

@@ -1,4 +1,4 @@
-"""Which joints move which limb, and how long legs are."""
+"""Joints of each limb, and the length of the legs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Mask = NDArray[np.bool_]
 
 
 def leg_joints(robot: Robot, side: Side) -> list[int]:
-    """Pinocchio's joints of a leg, from the first that the other leg does not share to the sole."""
+    """Pinocchio joint ids of a leg: the joints that the other leg does not share."""
     own, other = (
         [int(joint) for joint in robot.model.supports[robot.model.frames[frame].parentJoint]]
         for frame in (robot.sole_frames[side], robot.sole_frames[side.other])
@@ -25,7 +25,7 @@ def leg_joints(robot: Robot, side: Side) -> list[int]:
 
 
 def leg_length(robot: Robot) -> float:
-    """Length of the left leg stretched [m]: along its joints, from the first one to the sole."""
+    """Length of the stretched left leg along its joints, from the first joint to the sole [m]."""
     frame = robot.model.frames[robot.sole_frames[Side.LEFT]]
     steps = [robot.model.jointPlacements[j].translation for j in leg_joints(robot, Side.LEFT)[1:]]
     steps.append(frame.placement.translation)

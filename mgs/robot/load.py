@@ -1,4 +1,4 @@
-"""Robot folders: one given by its path, or a shipped one by its name."""
+"""Loading of robot folders, by path or by the name of a shipped robot."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def load_robot(robot: Robot | str | Path) -> Robot:
 
 
 def find_robot(name_or_dir: str | Path) -> Path:
-    """Folder of a robot given by path or shipped name; raises ConfigError listing what ships."""
+    """Folder of a robot given by path or by name; raises ConfigError with the shipped names."""
     path = Path(name_or_dir)
     path = path.parent if path.name == "robot.yaml" else path
     shipped = shipped_folder("robots")

@@ -1,4 +1,4 @@
-"""Pinocchio's URDF parser, its failures told as errors in the file."""
+"""URDF parser of Pinocchio; its failures are reported as errors in the file."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def parse_urdf(text: str, source: str) -> pin.Model:
 
 
 def call_parser(parse: Callable[[], T], source: str) -> T:
-    """What a parser of Pinocchio's returns; raises ConfigError naming `source` where it fails."""
+    """Result of a Pinocchio parser; raises ConfigError with `source` if the parser fails."""
     try:
         return parse()
     except (RuntimeError, ValueError, ArithmeticError) as error:

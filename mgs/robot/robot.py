@@ -1,4 +1,4 @@
-"""A robot: URDF and robot.yaml joined into one Pinocchio model with soles, hands and limits."""
+"""Robot model: URDF and robot.yaml combined in a Pinocchio model with soles, hands and limits."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from mgs.robot.spec import RobotSpec, SoleSpec
 
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """A humanoid: Pinocchio model with a floating base, operational frames and servo limits.
+    """Humanoid robot: Pinocchio model with a floating base, operational frames and servo limits.
 
     Joint arrays have shape (n,) and follow `joint_names`; q is (7 + n,): base position, base
     quaternion xyzw, joints; v is (6 + n,): base twist in the base frame, joints.
@@ -30,13 +30,13 @@ class Robot:
     joint_names: tuple[str, ...]
     lower: Array  # [rad]
     upper: Array  # [rad]
-    speed_limit: Array  # of the URDF, at most the servo's no-load speed [rad/s]
-    no_load_speed: Array  # of the servo [rad/s]
+    speed_limit: Array  # smaller of URDF velocity limit and servo no-load speed [rad/s]
+    no_load_speed: Array  # no-load speed of the servo [rad/s]
     torque_limit: Array  # stall torque of the servo [N m]
-    armature: Array  # [kg m^2]
+    armature: Array  # rotor inertia, reflected to the joint [kg m^2]
     posture: Array  # half-sitting joint angles [rad]
-    sole_frames: tuple[int, int]  # ids in `model`, left and right
-    hand_frames: tuple[int, int]  # of a robot without hands both are the torso's
+    sole_frames: tuple[int, int]  # frame ids in `model`, left and right
+    hand_frames: tuple[int, int]  # frame ids; the torso frame twice for a robot without hands
     torso_frame: int
 
     def __repr__(self) -> str:
@@ -65,13 +65,13 @@ class Robot:
         pin.framesForwardKinematics(self.model, data, q)
         left, right = (data.oMf[frame] for frame in self.sole_frames)
         middle = pin.SE3(left.rotation, 0.5 * (left.translation + right.translation))
-        base = middle.inverse()  # the base frame is the world at neutral
+        base = middle.inverse()  # in the neutral configuration the base frame is the world frame
         q[:FLOATING_BASE_NQ] = pin.SE3ToXYZQUAT(base)
         return q
 
     @functools.cached_property
     def geometry(self) -> pin.GeometryModel:
-        """Collision shapes with every pair that is neither adjacent nor ignored."""
+        """Collision shapes, with every pair of links that is neither adjacent nor ignored."""
         return collision_geometry(
             self.model, self.urdf, self.spec.ignore_collisions, f"{self.source}: {self.spec.urdf}"
         )

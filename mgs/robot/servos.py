@@ -1,16 +1,14 @@
-"""What a position servo makes of a command, and the command that makes it do what was planned.
-
-A motor behind a gear, driven in proportion to the error of its position loop, at every joint:
+"""Model of position servos: a geared DC motor with a proportional position loop at every joint.
 
     drive  = stiffness (q_command - q)
-    motor  = drive - damping v, at most what the line from stall torque to no-load speed leaves
+    motor  = drive - damping v, clipped to the line from stall torque to no-load speed
     torque = motor - friction(v)
     friction(v) = viscous_friction v + coulomb(v)
 
-coulomb(v) is the Coulomb friction, reached in proportion to v at `SLIP_SPEED`. The damping of a
-motor at constant voltage is its back-EMF, stall torque / no-load speed. Up to the deadband there is
-no drive; beyond it the drive is stiffness (|q_command - q| - deadband) + punch. What a servo
-measures and what it is told are whole ticks of its encoder.
+The magnitude of coulomb(v) grows in proportion to |v| up to `SLIP_SPEED` and is constant above.
+The damping of a motor at constant voltage is caused by its back-EMF: stall torque / no-load speed.
+Within the deadband the drive is 0; outside, it is stiffness (|q_command - q| - deadband) + punch.
+Measured angles and commands are rounded to whole ticks of the encoder.
 """
 
 from __future__ import annotations
@@ -23,12 +21,12 @@ from mgs.core.arrays import Array
 from mgs.core.errors import ConfigError
 from mgs.robot.robot import Robot
 
-SLIP_SPEED = 0.1  # [rad/s] at which all of the Coulomb friction acts
+SLIP_SPEED = 0.1  # [rad/s] speed from which on the full Coulomb friction acts
 
 
 @dataclass(frozen=True, eq=False)
 class Servos:
-    """Figures (n,) of the servos of a robot, in the order of its joints."""
+    """Parameters (n,) of the servos of a robot, in the order of its joints."""
 
     stall_torque: Array  # [N m]
     no_load_speed: Array  # [rad/s]
@@ -42,18 +40,18 @@ class Servos:
     viscous_friction: Array  # [N m s/rad]
 
     def friction(self, v: Array) -> Array:
-        """Torque (..., n) [N m] by which gears brake joints at v (..., n) [rad/s]."""
+        """Friction torque (..., n) [N m] of the gears at joint velocities v (..., n) [rad/s]."""
         sliding = np.minimum(np.maximum(v / SLIP_SPEED, -1.0), 1.0)
         return np.asarray(self.coulomb_friction * sliding + self.viscous_friction * v)
 
 
 def is_modelled(robot: Robot) -> bool:
-    """Whether robot.yaml says of every servo in use how stiff it is."""
+    """True if robot.yaml gives a stiffness for every servo in use."""
     return not _without_stiffness(robot)
 
 
 def servos_of(robot: Robot) -> Servos:
-    """Servos of a robot.
+    """Servo parameters of a robot.
 
     Raises:
         ConfigError: a servo in use has no stiffness.

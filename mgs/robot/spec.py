@@ -1,4 +1,4 @@
-"""The file robot.yaml: frames, soles, hands, posture, servos and joints of a robot."""
+"""Schema of robot.yaml: frames, soles, hands, posture, servos and joints of a robot."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from mgs.core.config import FormatVersion, Model
 
-MAX_LENGTH, MAX_MASS, MAX_ANGLE = 10.0, 1e4, 100.0  # [m], [kg], [rad]; beyond: a slip of the unit
+MAX_LENGTH, MAX_MASS, MAX_ANGLE = 10.0, 1e4, 100.0  # [m], [kg], [rad]; larger: probably wrong unit
 
 
 Coordinate = Annotated[float, Field(ge=-MAX_LENGTH, le=MAX_LENGTH)]
@@ -27,57 +27,71 @@ Range = Annotated[list[Angle], Field(min_length=2, max_length=2)]
 
 
 class FrameSpec(Model):
-    """A frame in a link."""
+    """Frame that is fixed to a link."""
 
-    link: str
-    position: Vector3 = Field([0.0, 0.0, 0.0], description="Origin in the link frame [m].")
+    link: str = Field(description="Name of the link in the URDF.")
+    position: Vector3 = Field(
+        [0.0, 0.0, 0.0], description="Position of the origin in the link frame: x, y, z [m]."
+    )
     rpy: Rotation = Field(
         [0.0, 0.0, 0.0],
-        description="Roll, pitch and yaw of its axes in the link frame [rad]; 0: parallel.",
+        description="Orientation in the link frame: roll, pitch, yaw about fixed axes [rad].",
     )
 
 
 class SoleSpec(FrameSpec):
-    """Contact rectangle: frame at its centre, x forward, z up."""
+    """Contact rectangle of a foot, with a frame at its centre: x forward, z up."""
 
-    length: float = Field(ge=1e-3, le=1.0, description="Along x [m].")
-    width: float = Field(ge=1e-3, le=1.0, description="Along y [m].")
+    length: float = Field(ge=1e-3, le=1.0, description="Length of the sole along x [m].")
+    width: float = Field(ge=1e-3, le=1.0, description="Width of the sole along y [m].")
 
 
 class ServoSpec(Model):
-    """Figures of one servo model; mgs.robot.servos has the law that they belong to."""
+    """Parameters of one servo model; mgs.robot.servos defines the torque law."""
 
-    stall_torque: float = Field(gt=0.0, le=1e4, description="[N m]")
-    no_load_speed: float = Field(gt=0.0, le=100.0, description="[rad/s]")
-    resolution: float = Field(0.0, ge=0.0, le=0.1, description="One tick of the encoder [rad].")
+    stall_torque: float = Field(
+        gt=0.0, le=1e4, description="Stall torque: torque limit at speed 0 [N m]."
+    )
+    no_load_speed: float = Field(
+        gt=0.0, le=100.0, description="No-load speed: speed limit at torque 0 [rad/s]."
+    )
+    resolution: float = Field(
+        0.0, ge=0.0, le=0.1, description="Angle of one tick of the encoder [rad]."
+    )
     armature: float = Field(
-        0.0, ge=0.0, le=10.0, description="Rotor inertia seen at the joint [kg m^2]."
+        0.0, ge=0.0, le=10.0, description="Inertia of the rotor, reflected to the joint [kg m^2]."
     )
     stiffness: float | None = Field(
-        None, gt=0.0, le=1e6, description="Torque per error of the position loop [N m/rad]."
+        None,
+        gt=0.0,
+        le=1e6,
+        description="Proportional gain of the position loop: torque per position error [N m/rad].",
     )
     compliance_slope: Literal[2, 4, 8, 16, 32, 64, 128] | None = Field(
         None,
-        description="In place of stiffness: ticks of error over which the torque grows to stall "
-        "torque, a register of Dynamixel's AX and RX servos; 32 when shipped.",
+        description="Alternative to stiffness: position error at which the torque reaches the "
+        "stall torque [encoder ticks]. This is a register of Dynamixel AX and RX servos, with a "
+        "factory setting of 32.",
     )
     damping: float | None = Field(
         None,
         ge=0.0,
         le=1e5,
-        description="Of the motor, by its back-EMF, and of the loop [N m s/rad]; "
-        "None: stall torque / no-load speed.",
+        description="Damping by the back-EMF of the motor and by the position loop [N m s/rad]; "
+        "null: stall torque / no-load speed.",
     )
-    latency: float = Field(0.0, ge=0.0, le=0.5, description="From command to torque [s].")
+    latency: float = Field(0.0, ge=0.0, le=0.5, description="Delay between command and torque [s].")
     deadband: float = Field(
-        0.0, ge=0.0, le=0.2, description="Error up to which there is no torque [rad]."
+        0.0, ge=0.0, le=0.2, description="Position error below which the torque is zero [rad]."
     )
     punch: float = Field(
-        0.0, ge=0.0, le=1e4, description="Torque with which it sets in beyond the deadband [N m]."
+        0.0, ge=0.0, le=1e4, description="Smallest torque outside the deadband [N m]."
     )
-    friction: float = Field(0.0, ge=0.0, le=1e4, description="Of the gear, Coulomb's [N m].")
+    friction: float = Field(
+        0.0, ge=0.0, le=1e4, description="Coulomb friction torque of the gear [N m]."
+    )
     viscous_friction: float = Field(
-        0.0, ge=0.0, le=1e5, description="Of the gear, per speed [N m s/rad]."
+        0.0, ge=0.0, le=1e5, description="Viscous friction coefficient of the gear [N m s/rad]."
     )
 
     @model_validator(mode="after")
@@ -86,55 +100,66 @@ class ServoSpec(Model):
             if self.stiffness is not None:
                 raise ValueError("give stiffness or compliance_slope, not both")
             if not self.resolution:
-                raise ValueError("compliance_slope counts ticks: give resolution too")
+                raise ValueError("compliance_slope is in encoder ticks: give resolution too")
         return self
 
     @property
     def spring(self) -> float | None:
-        """Stiffness of the position loop [N m/rad]; None where the file has none."""
+        """Stiffness of the position loop [N m/rad]; None if the file gives no stiffness."""
         if self.compliance_slope is None:
             return self.stiffness
         return self.stall_torque / (self.compliance_slope * self.resolution)
 
 
 class PairOf(Model):
-    """One frame a side."""
+    """Frames of the left and the right hand."""
 
-    left: FrameSpec
-    right: FrameSpec
+    left: FrameSpec = Field(description="Frame of the left hand.")
+    right: FrameSpec = Field(description="Frame of the right hand.")
 
 
 class SolePair(Model):
-    """One sole a side."""
+    """Soles of the left and the right foot."""
 
-    left: SoleSpec
-    right: SoleSpec
+    left: SoleSpec = Field(description="Sole of the left foot.")
+    right: SoleSpec = Field(description="Sole of the right foot.")
 
 
 class RobotSpec(Model):
-    """A robot.yaml."""
+    """Description of a robot: the content of robot.yaml."""
 
-    mgs: FormatVersion = Field(description="Version of this format.")
-    name: str = Field(min_length=1, max_length=100)
+    mgs: FormatVersion = Field(description="Version of the file format.")
+    name: str = Field(min_length=1, max_length=100, description="Name of the robot.")
     urdf: str = Field("robot.urdf", description="URDF file, relative to the folder of robot.yaml.")
-    base_link: str = Field(description="Link that carries the floating base.")
-    torso: FrameSpec
-    soles: SolePair
+    base_link: str = Field(description="Name of the link that carries the floating base.")
+    torso: FrameSpec = Field(description="Frame of the torso, used by torso orientation tasks.")
+    soles: SolePair = Field(description="Soles of both feet.")
     hands: PairOf | None = Field(
-        None, description="Of a robot with arms; without, nothing is ever asked of hands."
+        None,
+        description="Frames of both hands, used by hand tasks; leave it out for a robot without "
+        "arms, which then has no hand tasks.",
     )
     posture: dict[str, float] = Field(
-        description="Half-sitting posture [rad]; joints not named stand at 0."
+        description="Half-sitting posture: angle of each joint by name [rad]; joints that are not "
+        "named are at 0."
     )
-    servos: dict[str, ServoSpec] = Field(description="Servo models by name.")
-    joints: dict[str, str] = Field(description="Servo model of every joint.")
+    servos: dict[str, ServoSpec] = Field(description="Servo models by name of the model.")
+    joints: dict[str, str] = Field(description="Name of the servo model of each joint.")
     locked: dict[str, Angle] = Field(
-        {}, description="Joints of the URDF held at an angle [rad]; they are none of the robot's."
+        {},
+        description="Fixed angles of locked joints by name [rad]; locked joints are treated as "
+        "rigid connections.",
     )
     limits: dict[str, Range] = Field(
-        {}, description="Ranges [rad] narrower than the URDF's, by joint."
+        {},
+        description="Joint limits by name of the joint, within the limits of the URDF: lower, "
+        "upper [rad].",
     )
-    groups: dict[str, list[str]] = Field({}, description="Names for sets of joints.")
+    groups: dict[str, list[str]] = Field(
+        {}, description="Groups of joints by name of the group, such as left_leg."
+    )
     ignore_collisions: list[Annotated[list[str], Field(min_length=2, max_length=2)]] = Field(
-        [], description="Pairs of links that may touch, besides adjacent ones."
+        [],
+        description="Pairs of links that are excluded from collision checks; adjacent links are "
+        "always excluded.",
     )

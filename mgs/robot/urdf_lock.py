@@ -1,7 +1,7 @@
-"""Joints of a URDF held at an angle: revolute joints become fixed ones in its text.
+"""Locking of joints: revolute joints of a URDF are replaced by fixed joints in its text.
 
-The text is changed before anything parses it, so that Pinocchio, engines, motion files and viewers
-all see one robot. A joint turned by angle about its axis takes the place of its origin:
+The text is changed before it is parsed, so that Pinocchio, physics engines, motion files and
+viewers use the same robot. The new origin includes the rotation by the locked angle:
 
     R_parent_child = R_origin exp(angle axis)
 """
@@ -22,19 +22,21 @@ NOT_READ = "cannot read it as a URDF"
 
 
 def lock_joints(urdf: str, angles: Mapping[str, float], source: str, urdf_name: str) -> str:
-    """URDF text with the joints of `angles` [rad] fixed; joints fixed already are left alone.
+    """URDF text with the joints of `angles` [rad] fixed; joints that are fixed stay as they are.
 
     `source` names robot.yaml and `urdf_name` the URDF in messages.
 
     Raises:
-        ConfigError: the text is no XML, or a joint is missing, of another type or out of range.
+        ConfigError: the text is not XML, or a joint is missing, not revolute or out of range.
     """
     if not angles:
         return urdf
     try:
         root = ElementTree.fromstring(urdf)
     except ElementTree.ParseError as error:
-        raise ConfigError(f"{source}: {urdf_name}", f"{NOT_READ}: no XML: {error}") from error
+        raise ConfigError(
+            f"{source}: {urdf_name}", f"{NOT_READ}: not valid XML: {error}"
+        ) from error
     joints = {joint.get("name", ""): joint for joint in root.findall("joint")}
     problems: list[str] = []
     changed = False
@@ -56,7 +58,7 @@ def lock_joints(urdf: str, angles: Mapping[str, float], source: str, urdf_name: 
 def _problem(
     joints: Mapping[str, ElementTree.Element], name: str, angle: float, urdf_name: str
 ) -> str:
-    """Why a joint cannot be locked at an angle [rad]; empty if it can."""
+    """Reason why a joint cannot be locked at an angle [rad]; empty if it can be."""
     if name not in joints:
         close = difflib.get_close_matches(name[:40], joints, n=1)
         hint = f"; did you mean {close[0]!r}?" if close else ""
@@ -65,25 +67,25 @@ def _problem(
     if kind == "fixed":
         return ""
     if kind not in ("revolute", "continuous"):
-        return f"a {kind} joint in {urdf_name}; only revolute ones can be locked"
+        return f"a {kind} joint in {urdf_name}; only revolute joints can be locked"
     if not np.isfinite(_placed(joint, angle)).all():
         return f"axis or origin is malformed in {urdf_name}"
     low, high = (_numbers(joint, "limit", key, "nan")[0] for key in ("lower", "upper"))
     if kind == "revolute" and not low <= angle <= high:
-        return f"{angle:.4f} rad is outside [{low:.4f}, {high:.4f}], its range in {urdf_name}"
+        return f"{angle:.4f} rad is outside its range [{low:.4f}, {high:.4f}] rad in {urdf_name}"
     return ""
 
 
 def _placed(joint: ElementTree.Element, angle: float) -> NDArray[np.float64]:
-    """Roll, pitch, yaw [rad] of a joint's origin turned by an angle about its axis."""
+    """Roll, pitch, yaw [rad] of the origin of a joint, rotated by an angle about its axis."""
     axis = np.array(_numbers(joint, "axis", "xyz", "1 0 0"))
     R_origin = pin.rpy.rpyToMatrix(*_numbers(joint, "origin", "rpy", "0 0 0"))
-    norm = float(np.linalg.norm(axis)) or np.nan  # no direction, no rotation
+    norm = float(np.linalg.norm(axis)) or np.nan  # an axis of length 0 gives NaN
     return np.asarray(pin.rpy.matrixToRpy(R_origin @ pin.exp3(angle / norm * axis)))
 
 
 def fix_joint(joint: ElementTree.Element, angle: float) -> None:
-    """Make a joint a fixed one, turned by an angle [rad] about its axis."""
+    """Change a joint into a fixed joint, rotated by an angle [rad] about its axis."""
     rpy = _placed(joint, angle)
     origin = joint.find("origin")
     if origin is None:
@@ -96,7 +98,7 @@ def fix_joint(joint: ElementTree.Element, angle: float) -> None:
 
 
 def _numbers(joint: ElementTree.Element, tag: str, key: str, default: str) -> list[float]:
-    """Numbers of an attribute of a joint's child; as many nan if it is malformed."""
+    """Numbers in an attribute of a child element of a joint; NaN for each if it is malformed."""
     element = joint.find(tag)
     text = default if element is None else element.get(key, default)
     count = len(default.split())

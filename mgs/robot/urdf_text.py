@@ -1,4 +1,4 @@
-"""Links and joints of a URDF as text, written from what Pinocchio knows of them."""
+"""Writing of URDF elements from Pinocchio data: links, joints and placements."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Shape = tuple[pin.SE3, str, dict[str, str]]  # placement in the link, element, i
 def add_link(
     root: ElementTree.Element, name: str, inertia: pin.Inertia, shapes: Iterable[Shape]
 ) -> ElementTree.Element:
-    """Append a link with its inertia (about its CoM, in link axes) and collision shapes."""
+    """Append a link with its inertia (about its CoM, in the axes of the link) and its shapes."""
     link = ElementTree.SubElement(root, "link", name=name)
     inertial = ElementTree.SubElement(link, "inertial")
     add_origin(inertial, pin.SE3(np.eye(3), inertia.lever))
@@ -45,11 +45,11 @@ def add_revolute(
     """Append a revolute joint.
 
     Args:
-        root: the robot.
-        name: of the joint.
-        links: parent and child.
-        placement: of the child in the parent at angle 0.
-        axis: (3,) in the child's frame.
+        root: robot element of the URDF.
+        name: name of the joint.
+        links: names of the parent link and the child link.
+        placement: pose of the child link in the frame of the parent link at angle 0.
+        axis: joint axis (3,) in the frame of the child link.
         limits: lower, upper [rad], effort [N m], velocity [rad/s].
     """
     element = ElementTree.SubElement(root, "joint", name=name, type="revolute")
@@ -63,7 +63,7 @@ def add_revolute(
 
 
 def add_origin(parent: ElementTree.Element, placement: pin.SE3) -> None:
-    """Append a placement as xyz [m] and rpy [rad]."""
+    """Append a placement as an origin element with xyz [m] and rpy [rad]."""
     rpy = pin.rpy.matrixToRpy(placement.rotation)
     ElementTree.SubElement(parent, "origin", xyz=numbers(placement.translation), rpy=numbers(rpy))
 
@@ -77,5 +77,5 @@ def joint_axis(model: pin.Model, joint: int) -> Array:
 
 
 def numbers(values: Array | list[float]) -> str:
-    """Numbers as an attribute, to the last digit."""
+    """Numbers as the text of an attribute, in full precision."""
     return " ".join(repr(float(value)) for value in values)

@@ -1,4 +1,4 @@
-"""COMAN and its legs against published figures, their README, and Pinocchio's own locking."""
+"""Tests of COMAN and its legs against published values, their README and Pinocchio."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def either(request: pytest.FixtureRequest) -> Robot:
 
 
 def at(robot: Robot, joints: np.ndarray) -> pin.Data:
-    """Frames and CoM at joint angles (n,), the base in the origin."""
+    """Frames and CoM at joint angles (n,), with the base in the origin."""
     q = np.concatenate([pin.neutral(robot.model)[:FLOATING_BASE_NQ], joints])
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, q)
@@ -132,7 +132,7 @@ def test_coman_has_the_published_joints_in_depth_first_order(coman: Robot):
     }
 
 
-def test_axes_and_limits_are_the_published_ones(coman: Robot):
+def test_axes_and_limits_have_their_published_values(coman: Robot):
     elements = {joint.get("name"): joint for joint in ElementTree.fromstring(URDF).iter("joint")}
     for i, name in enumerate(coman.joint_names):
         axis, low, high = JOINTS[without_side(name)]
@@ -143,7 +143,7 @@ def test_axes_and_limits_are_the_published_ones(coman: Robot):
         assert_allclose(found, AXES[axis], atol=0)
 
 
-def test_masses_are_the_published_ones(coman: Robot):
+def test_masses_have_their_published_values(coman: Robot):
     links = {
         link.get("name"): float(link.find("inertial/mass").get("value"))
         for link in ElementTree.fromstring(URDF).iter("link")
@@ -155,7 +155,7 @@ def test_masses_are_the_published_ones(coman: Robot):
 
 
 @pytest.mark.parametrize("pose", POSES)
-def test_com_and_soles_are_where_they_are_published(coman: Robot, pose: str):
+def test_com_and_soles_have_their_published_positions(coman: Robot, pose: str):
     com, ankle_ground = POSES[pose]
     joints = np.zeros(coman.n) if pose == "zero" else coman.posture
     data = at(coman, joints)
@@ -167,7 +167,7 @@ def test_com_and_soles_are_where_they_are_published(coman: Robot, pose: str):
         assert_allclose(T_base_sole.rotation, np.eye(3), atol=1e-12)
 
 
-def test_lengths_are_the_published_ones_and_those_of_the_readme(coman: Robot):
+def test_lengths_agree_with_publication_and_readme(coman: Robot):
     data = at(coman, np.zeros(coman.n))
 
     def place(name: str) -> np.ndarray:
@@ -216,15 +216,15 @@ def test_the_sole_is_the_underside_of_the_published_foot_box(coman: Robot):
         assert sole.position[0] + sole.length / 2 == pytest.approx(0.13)
 
 
-def test_inertias_are_such_as_matter_can_have(either: Robot):
+def test_every_inertia_is_physically_possible(either: Robot):
     for inertia in either.model.inertias[1:]:
         assert inertia.mass > 0.0
         spread = 0.5 * np.trace(inertia.inertia) * np.eye(3) - inertia.inertia
         assert np.linalg.eigvalsh(spread).min() > 0.0
 
 
-def test_the_sides_mirror_each_other(coman: Robot):
-    """Mirrored joint angles give mirrored limbs; Waist, IMU and torso are lopsided as published."""
+def test_left_and_right_are_mirror_symmetric(coman: Robot):
+    """Mirrored joint angles give mirrored limbs; the published trunk is asymmetric."""
     joints = np.random.default_rng(0).uniform(coman.lower, coman.upper)
     joints[[coman.joint_names.index(name) for name in WAIST]] = 0.0
     mirrored = joints.copy()
@@ -246,8 +246,8 @@ def test_the_sides_mirror_each_other(coman: Robot):
 # --- drives -----------------------------------------------------------------------------------
 
 
-def test_no_limit_is_the_made_up_one_of_the_source(coman: Robot):
-    """50 N m and joint damping belong to a simulator; velocity is that of Faraji and Ijspeert."""
+def test_no_limit_is_a_placeholder_of_the_source(coman: Robot):
+    """50 N m and joint damping are placeholders; the speed limit is from Faraji and Ijspeert."""
     assert set(coman.speed_limit) == {4.0}
     assert set(coman.torque_limit) == {37.0, 5.0}
     assert_allclose(coman.no_load_speed, 7300.0 * np.pi / 30.0 / 100.0, rtol=1e-3)  # 3 digits
@@ -261,7 +261,7 @@ def test_no_limit_is_the_made_up_one_of_the_source(coman: Robot):
 
 
 def test_one_leg_can_hold_the_robot(coman: Robot):
-    """Knee torque by statics: all weight on the left sole, less shank and foot, about the knee."""
+    """Static knee torque: the whole weight minus shank and foot acts on the left sole."""
     q = coman.standing_q
     data = coman.model.createData()
     gravity = pin.computeGeneralizedGravity(coman.model, data, q)
@@ -311,8 +311,8 @@ def test_the_readme_has_the_standing_figures_of_the_model(coman: Robot):
 # --- collisions -------------------------------------------------------------------------------
 
 
-def test_pairs_that_may_touch_are_neighbours_across_one_or_two_links(coman: Robot):
-    """Nothing that tells of a clash of limbs is ignored."""
+def test_ignored_pairs_are_neighbours_across_one_or_two_links(coman: Robot):
+    """No pair that would show a collision of limbs is ignored."""
     tree = ElementTree.fromstring(URDF)
     near: dict[str, set[str]] = {}
     for joint in tree.iter("joint"):
@@ -337,7 +337,7 @@ def test_both_pass_every_check_of_a_robot(either: Robot):
 
 
 def reduced(coman: Robot, legs: Robot) -> pin.Model:
-    """COMAN's model with the same joints locked by Pinocchio."""
+    """Model of COMAN with the same joints locked by Pinocchio."""
     q = pin.neutral(coman.model)
     for name, angle in legs.spec.locked.items():
         q[coman.model.joints[coman.model.getJointId(name)].idx_q] = angle
@@ -345,9 +345,7 @@ def reduced(coman: Robot, legs: Robot) -> pin.Model:
     return pin.buildReducedModel(coman.model, ids, q)
 
 
-def test_the_legs_are_coman_with_waist_and_arms_held_and_knees_that_do_not_overstretch(
-    coman: Robot, legs: Robot
-):
+def test_the_legs_are_coman_with_locked_waist_and_arms_and_limited_knees(coman: Robot, legs: Robot):
     assert list(legs.joint_names) == NAMES[:12]
     assert legs.model.nv == 18
     assert list(legs.spec.locked) == NAMES[12:]
@@ -366,7 +364,7 @@ def test_the_legs_are_coman_with_waist_and_arms_held_and_knees_that_do_not_overs
 
 
 def test_the_legs_have_the_mass_matrix_of_pinocchios_reduced_model(coman: Robot, legs: Robot):
-    """Oracle: buildReducedModel, which never sees the changed URDF."""
+    """Oracle: buildReducedModel, which does not use the changed URDF."""
     model = reduced(coman, legs)
     assert list(model.names[2:]) == list(legs.joint_names)
     assert legs.mass == pytest.approx(TOTAL_MASS, abs=1e-9)
@@ -382,7 +380,7 @@ def test_the_legs_have_the_mass_matrix_of_pinocchios_reduced_model(coman: Robot,
         assert_allclose(np.triu(M), np.triu(pin.crba(model, theirs, q)), atol=1e-12)
 
 
-def test_in_the_posture_the_legs_are_coman(coman: Robot, legs: Robot):
+def test_in_the_posture_the_legs_equal_coman(coman: Robot, legs: Robot):
     whole, part = at(coman, coman.posture), at(legs, legs.posture)
     assert_allclose(part.com[0], whole.com[0], atol=1e-12)
     for attribute in ("sole_frames", "hand_frames"):
@@ -394,14 +392,14 @@ def test_in_the_posture_the_legs_are_coman(coman: Robot, legs: Robot):
     assert_allclose(legs.standing_q[:7], coman.standing_q[:7], atol=1e-12)
 
 
-def test_the_legs_are_read_back_from_the_texts_they_keep(legs: Robot):
+def test_the_legs_are_built_again_from_their_texts(legs: Robot):
     again = build_robot(legs.yaml, legs.urdf, "a motion file")
     assert again.urdf == legs.urdf
     assert again.model == legs.model
 
 
 def test_the_legs_find_comans_urdf_beside_them(tmp_path: Path, legs: Robot):
-    """As the wheel ships them: the folder of robots as a whole, somewhere else."""
+    """The whole folder of robots is copied to another place, as a wheel does."""
     shutil.copytree(FOLDER.parent, tmp_path / "data" / "robots")
     assert load_robot(tmp_path / "data" / "robots" / "coman_legs").urdf == legs.urdf
 

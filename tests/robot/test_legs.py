@@ -1,4 +1,4 @@
-"""Legs of five joints: the turn that they lack, and what is refused for want of it."""
+"""Tests of legs with five joints: the missing rotation, and motions that need it."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def robot_with(leg: tuple[str, ...], folder: Path) -> Robot:
 
 
 @pytest.mark.parametrize("name", ["melson", "coman", "coman_legs"])
-def test_the_shipped_legs_lack_nothing(name: str):
+def test_the_shipped_legs_have_no_missing_rotation(name: str):
     assert missing_turn(load_robot(name)) is None
 
 
@@ -41,7 +41,7 @@ def test_the_shipped_legs_lack_nothing(name: str):
         ((FULL_LEG[1], FULL_LEG[0], *FULL_LEG[2:5]), "roll"),
     ],
 )
-def test_the_turn_that_is_missing_is_named(leg: tuple[str, ...], turn: str | None, tmp_path: Path):
+def test_the_missing_rotation_is_identified(leg: tuple[str, ...], turn: str | None, tmp_path: Path):
     robot = robot_with(leg, tmp_path)
     assert missing_turn(robot) == turn
     assert [str(robot.model.names[j]) for j in leg_joints(robot, Side.RIGHT)] == [
@@ -69,7 +69,7 @@ def test_a_leg_without_pitch_at_the_hip_is_unsound(tmp_path: Path):
         (FULL_LEG[:-1], "walk.step_width=0.2"),
     ],
 )
-def test_steps_that_need_the_turn_are_refused(
+def test_steps_that_need_the_missing_rotation_are_refused(
     leg: tuple[str, ...], assignment: str, tmp_path: Path
 ):
     robot = robot_with(leg, tmp_path)
@@ -78,17 +78,17 @@ def test_steps_that_need_the_turn_are_refused(
 
 
 @pytest.mark.parametrize("solver", [name for name in IK_SOLVERS.own if name != "clik"])
-def test_only_clik_does_without_the_turn(solver: str, tmp_path: Path):
+def test_only_clik_accepts_legs_with_five_joints(solver: str, tmp_path: Path):
     robot = robot_with(FULL_LEG[1:], tmp_path)
     with pytest.raises(ConfigError, match="use clik"):
         run_stages(robot, load_gait("walk", (f"ik.solver={solver}", "walk.n_steps=1")))
 
 
 @pytest.mark.parametrize(("leg", "axes"), [(FULL_LEG[1:], (1,)), (FULL_LEG[:-1], (0, 2))])
-def test_the_pelvis_is_held_in_place_of_the_turn(
+def test_the_pelvis_is_constrained_instead_of_the_missing_rotation(
     leg: tuple[str, ...], axes: tuple[int, ...], tmp_path: Path
 ):
-    """Soles do what they are asked, all six coordinates, though legs have five joints."""
+    """Soles follow all six coordinates of their references although legs have five joints."""
     robot = robot_with(leg, tmp_path)
     motion = run_stages(robot, load_gait("walk", ("walk.n_steps=2",))).motion
     apart = np.linalg.norm(motion.soles[..., :3] - motion.soles_ref[..., :3], axis=-1)

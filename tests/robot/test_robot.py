@@ -1,4 +1,4 @@
-"""The robot Melson against its published figures and its README, and robot folders gone wrong."""
+"""Tests of the robot Melson against published values and its README, and of faulty folders."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_melson_has_the_published_mass_height_and_joints(melson: Robot):
     }
 
 
-def test_melsons_servos_are_the_published_ones(melson: Robot):
+def test_the_servos_of_melson_have_their_published_values(melson: Robot):
     for i, name in enumerate(melson.joint_names):
         in_leg = name in melson.spec.groups["left_leg"] + melson.spec.groups["right_leg"]
         torque, seconds_per_60_deg = (2.8, 0.167) if in_leg else (1.5, 0.169)
@@ -81,7 +81,7 @@ def test_melsons_servos_are_the_published_ones(melson: Robot):
 
 
 def test_melson_is_symmetric(melson: Robot):
-    """Mirrored joint angles give the mirrored robot: every body's CoM, inertia and frame."""
+    """Mirrored joint angles give the mirrored robot: CoM, inertia and frame of every body."""
     rng = np.random.default_rng(0)
     for _ in range(5):
         joints = rng.uniform(melson.lower, melson.upper)
@@ -108,15 +108,15 @@ def swap_sides(name: str) -> str:
     return re.sub("left|right", lambda m: {"left": "right", "right": "left"}[m[0]], name)
 
 
-def test_every_inertia_is_one_that_matter_can_have(melson: Robot):
-    """Masses are positive and some spread of positive density has these second moments."""
+def test_every_inertia_is_physically_possible(melson: Robot):
+    """Masses are positive, and a body of positive density can have these inertias."""
     for inertia in melson.model.inertias[1:]:
         assert inertia.mass > 0.0
         spread = 0.5 * np.trace(inertia.inertia) * np.eye(3) - inertia.inertia
         assert np.linalg.eigvalsh(spread).min() > 0.0
 
 
-def test_every_inertia_is_that_of_a_body_inside_its_boxes(melson: Robot):
+def test_every_inertia_fits_a_body_inside_its_boxes(melson: Robot):
     for link in ElementTree.fromstring(URDF).iter("link"):
         inertial = link.find("inertial")
         lever = np.fromstring(inertial.find("origin").get("xyz"), sep=" ")
@@ -145,8 +145,8 @@ def test_the_posture_lies_within_the_limits_with_room(melson: Robot):
     assert room.min() > math.radians(5.0)
 
 
-def test_in_the_posture_both_soles_lie_flat_on_the_ground(any_robot: Robot):
-    """On random legs at least the left sole lies flat and the origin between the two."""
+def test_in_the_posture_both_soles_are_flat_on_the_ground(any_robot: Robot):
+    """With random leg angles at least the left sole is flat and the origin is midway."""
     data = any_robot.model.createData()
     pin.framesForwardKinematics(any_robot.model, data, any_robot.standing_q)
     left, right = (data.oMf[frame] for frame in any_robot.sole_frames)
@@ -169,7 +169,7 @@ def test_the_soles_are_the_lowest_faces_of_the_feet(melson: Robot):
         assert_allclose(np.ptp(own, axis=0), [sole.length, sole.width, 0.0], atol=1e-9)
 
 
-def test_no_shapes_touch_at_zero_in_the_posture_or_at_mid_range(melson: Robot):
+def test_no_shapes_touch_at_zero_in_the_posture_and_at_mid_range(melson: Robot):
     geometry = melson.geometry
     for joints in (STRETCHED, melson.posture, 0.5 * (melson.lower + melson.upper)):
         q = np.concatenate([pin.neutral(melson.model)[:7], joints])
@@ -180,7 +180,7 @@ def test_no_shapes_touch_at_zero_in_the_posture_or_at_mid_range(melson: Robot):
         assert not touching
 
 
-def test_collisions_are_looked_for_between_all_links_that_no_joint_connects(melson: Robot):
+def test_collisions_are_checked_between_all_links_that_no_joint_connects(melson: Robot):
     frames = melson.model.frames
     watched = set()
     for pair in melson.geometry.collisionPairs:
@@ -346,7 +346,7 @@ def test_a_bad_robot_file_is_refused_by_the_name_of_the_key(old: str, new: str, 
     assert message in refusal(changed(old, new))
 
 
-def test_every_problem_of_a_robot_file_is_told_at_once():
+def test_all_problems_of_a_robot_file_are_reported_at_once():
     text = changed("link: left_foot", "link: lfoot", changed("waist_yaw: AX-12", "waist_yaw: X"))
     message = refusal(text)
     assert "soles.left.link" in message
@@ -372,7 +372,11 @@ WAIST_LIMITS = 'lower="-1.0472" upper="1.0472" effort="1.5" velocity="6.2"'
             "waist_yaw: limit velocity = 0",
         ),
         (WAIST_LIMITS, 'lower="-1" upper="1"', "cannot read it as a URDF"),
-        ('<mass value="0.942"/>', '<mass value="-0.942"/>', "moved by waist_yaw weigh -0.942 kg"),
+        (
+            '<mass value="0.942"/>',
+            '<mass value="-0.942"/>',
+            "moved by waist_yaw have a mass of -0.942 kg",
+        ),
         ('<link name="torso">', '<link name="pelvis">', "cannot read it as a URDF"),
         ("</robot>", "", "cannot read it as a URDF"),
     ],
@@ -384,7 +388,7 @@ def test_a_bad_urdf_is_refused_by_the_name_of_the_joint(old: str, new: str, mess
 @pytest.mark.parametrize(
     "urdf", ["", "no XML", "<a/>", "<robot name='x'/>", URDF[:9000], "\x00\x01"]
 )
-def test_a_text_that_is_no_urdf_is_refused(urdf: str):
+def test_a_text_that_is_not_a_urdf_is_refused(urdf: str):
     assert "cannot read it as a URDF" in refusal(YAML, urdf)
 
 
@@ -401,8 +405,8 @@ def test_a_missing_mesh_is_refused():
         build_robot(YAML, urdf, "robot.yaml").geometry  # noqa: B018
 
 
-def test_a_link_may_bear_the_name_of_a_joint(melson: Robot):
-    """URDF keeps them apart; Pinocchio puts them into one list."""
+def test_a_link_may_have_the_name_of_a_joint(melson: Robot):
+    """A URDF keeps both names apart; Pinocchio has one list of frames."""
     texts = [text.replace("waist_yaw", "pelvis") for text in (YAML, URDF)]
     robot = build_robot(*texts, "robot.yaml")
     assert robot.mass == pytest.approx(melson.mass)
@@ -414,7 +418,7 @@ def test_a_link_may_bear_the_name_of_a_joint(melson: Robot):
 
 
 def spec_of(robot: Robot, **locked: float) -> str:
-    """Its robot.yaml with joints locked, and left out where locked joints must not stand."""
+    """robot.yaml with locked joints, which are removed from all other keys."""
     tree = yaml.safe_load(robot.yaml) | {"locked": locked}
     for key in ("joints", "posture"):
         tree[key] = {name: x for name, x in tree[key].items() if name not in locked}
@@ -426,7 +430,7 @@ def spec_of(robot: Robot, **locked: float) -> str:
 
 
 def test_a_locked_joint_is_locked_as_pinocchio_does_it(any_robot: Robot):
-    """Oracle: buildReducedModel, which never sees the URDF; crooked axes and origins included."""
+    """Oracle: buildReducedModel, which does not use the URDF; with oblique axes and origins."""
     rng = np.random.default_rng(4)
     names = [any_robot.joint_names[i] for i in rng.choice(any_robot.n, 5, replace=False)]
     ids = [any_robot.model.getJointId(name) for name in names]
@@ -457,7 +461,7 @@ def test_a_locked_joint_is_locked_as_pinocchio_does_it(any_robot: Robot):
 
 
 def test_locking_twice_changes_nothing(melson: Robot):
-    """Motion files keep robot.yaml and the changed URDF, and robots are built from them again."""
+    """Motion files hold robot.yaml and the changed URDF, from which the robot is built again."""
     robot = build_robot(spec_of(melson, waist_yaw=0.4), URDF, "robot.yaml")
     again = build_robot(robot.yaml, robot.urdf, "robot.yaml")
     assert again.urdf == robot.urdf != URDF
@@ -474,14 +478,22 @@ def test_without_locked_joints_the_urdf_stays_as_it_was(melson: Robot):
     [
         ("", "waist: 0.1", "locked.waist: robot.urdf has no joint 'waist'; did you mean 'waist_y"),
         ("", "zzz: 0.1", "locked.zzz: robot.urdf has no joint 'zzz'\n"),
-        ("", "waist_yaw: 1.05", "locked.waist_yaw: 1.0500 rad is outside [-1.0472, 1.0472]"),
+        (
+            "",
+            "waist_yaw: 1.05",
+            "locked.waist_yaw: 1.0500 rad is outside its range [-1.0472, 1.0472]",
+        ),
         ("", "waist_yaw: .nan", "locked.waist_yaw: input should be a finite number"),
         ("", "waist_yaw: 101", "locked.waist_yaw: input should be less than or equal to 100"),
         ("", "waist_yaw: far", "locked.waist_yaw: "),
         (WAIST, WAIST.replace("revolute", "prismatic"), "locked.waist_yaw: a prismatic joint in"),
-        ('upper="1.0472"', 'upper="x"', "locked.waist_yaw: 0.1000 rad is outside [-1.0472, nan]"),
+        (
+            'upper="1.0472"',
+            'upper="x"',
+            "locked.waist_yaw: 0.1000 rad is outside its range [-1.0472, nan]",
+        ),
         ('xyz="0 0 0.0705"', 'rpy="0 0"', "locked.waist_yaw: axis or origin is malformed"),
-        ("</robot>", "", "robot.urdf: cannot read it as a URDF: no XML: no element found"),
+        ("</robot>", "", "robot.urdf: cannot read it as a URDF: not valid XML: no element found"),
         (
             "</robot>",
             "<a>" * 9000 + "</a>" * 9000 + "</robot>",
@@ -510,7 +522,7 @@ def test_a_joint_without_a_direction_cannot_be_locked(melson: Robot, axis: str):
         ("groups.waist", ["waist_yaw"]),
     ],
 )
-def test_a_locked_joint_is_no_joint_of_the_robot(melson: Robot, key: str, content: object):
+def test_a_locked_joint_is_not_a_joint_of_the_robot(melson: Robot, key: str, content: object):
     tree = yaml.safe_load(spec_of(melson, waist_yaw=0.1))
     if isinstance(content, dict):
         tree[key] |= content
@@ -554,10 +566,10 @@ def test_the_ranges_of_the_urdf_themselves_and_one_of_their_ends_are_allowed(mel
 @pytest.mark.parametrize(
     ("name", "limits", "message"),
     [
-        ("left_knee_pitch", [-0.2, 1.0], "limits.left_knee_pitch: [-0.2, 1] is not a range within"),
-        ("left_knee_pitch", [0.0, 3.5], "limits.left_knee_pitch: [0, 3.5] is not a range within"),
-        ("left_knee_pitch", [1.0, 0.5], "limits.left_knee_pitch: [1, 0.5] is not a range within"),
-        ("left_knee_pitch", [0.9, 0.9], "limits.left_knee_pitch: [0.9, 0.9] is not a range within"),
+        ("left_knee_pitch", [-0.2, 1.0], "limits.left_knee_pitch: [-0.2, 1] rad is not a range"),
+        ("left_knee_pitch", [0.0, 3.5], "limits.left_knee_pitch: [0, 3.5] rad is not a range"),
+        ("left_knee_pitch", [1.0, 0.5], "limits.left_knee_pitch: [1, 0.5] rad is not a range"),
+        ("left_knee_pitch", [0.9, 0.9], "limits.left_knee_pitch: [0.9, 0.9] rad is not a range"),
         ("left_knee_pitch", [1.0, 2.0], "posture.left_knee_pitch: 0.8700 rad is outside the joint"),
         ("left_knee_pitch", [0.5], "limits.left_knee_pitch: list should have at least 2 items"),
         ("left_knee_pitch", [0.5, math.nan], "limits.left_knee_pitch.1: input should be a finite"),
@@ -566,19 +578,19 @@ def test_the_ranges_of_the_urdf_themselves_and_one_of_their_ends_are_allowed(mel
         ("left_knee", [0.5, 1.0], "limits: robot.urdf has no joint 'left_knee'"),
     ],
 )
-def test_a_range_that_is_none_is_refused_by_name(
+def test_an_invalid_range_is_refused_by_name(
     melson: Robot, name: str, limits: object, message: str
 ):
     assert f"robot.yaml: {message}" in refusal(with_limits(melson, **{name: limits}))
 
 
-def test_a_locked_joint_has_no_range_to_narrow(melson: Robot):
+def test_limits_of_a_locked_joint_are_refused(melson: Robot):
     tree = yaml.safe_load(spec_of(melson, waist_yaw=0.1)) | {"limits": {"waist_yaw": [-0.1, 0.1]}}
     message = refusal(yaml.safe_dump(tree))
     assert message == "robot.yaml: limits: joint 'waist_yaw' is locked, leave it out here"
 
 
-def test_a_narrowed_robot_is_read_back_from_the_texts_it_keeps(melson: Robot):
+def test_a_robot_with_narrowed_limits_is_built_again_from_its_texts(melson: Robot):
     robot = build_robot(with_limits(melson, left_knee_pitch=[0.1, 1.5]), URDF, "robot.yaml")
     again = build_robot(robot.yaml, robot.urdf, "a motion file")
     assert np.array_equal(again.lower, robot.lower) and np.array_equal(again.upper, robot.upper)
@@ -605,5 +617,5 @@ def test_a_missing_urdf_is_refused(tmp_path: Path, urdf: str):
         load_robot(tmp_path)
 
 
-def test_a_robot_keeps_the_texts_it_was_made_of(melson: Robot):
+def test_a_robot_keeps_the_texts_from_which_it_was_built(melson: Robot):
     assert (melson.urdf, melson.yaml) == (URDF, YAML)

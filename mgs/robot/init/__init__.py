@@ -1,9 +1,10 @@
-"""A robot folder from a URDF that nobody wrote for mgs: `init_robot`.
+"""First version of a robot folder, made from a third-party URDF by `init_robot`.
 
-source reads the file as a tree of revolute joints, points the surfaces of its links; skeleton is
-both as Pinocchio's model. anatomy tells legs, arms, waist and head, sole the rectangles under the
-feet, posture half-sitting, figures torque and speed of joints, collisions which shapes overlap
-anyway. bodies writes the cleaned copy, text robot.yaml and README.md; init calls them all.
+`source` reads the URDF as a tree of revolute joints, `points` the surfaces of its links, and
+`skeleton` combines both in a Pinocchio model. `anatomy` identifies legs, arms, waist and head,
+`sole` the contact rectangles, `posture` the half-sitting posture, `figures` torque and speed limits
+and `collisions` the pairs of shapes that always overlap. `bodies` writes the cleaned URDF, `text`
+robot.yaml and README.md. `init` calls all of them.
 """
 
 from mgs.robot.init.init import DraftFolder, init_robot, write_robot

@@ -1,9 +1,9 @@
-"""Which joints are legs, waist, arms and head, told from the shape of the tree alone.
+"""Identification of legs, waist, arms and head from the shape of the kinematic tree.
 
-Feet are the bodies whose surface reaches the ground while the robot stands with every joint at 0;
-legs are the joints between them and the body from which both hang. Arms are the longest pair of
-chains elsewhere of which one mirrors the other. A hand is where an arm branches into fingers. z is
-up and x forward, as ROS has it (REP 103).
+Feet are the bodies whose surface reaches the ground while the robot stands with every joint at 0.
+Legs are the joints between the feet and the body that carries both. Arms are the longest pair of
+mirror-symmetric chains outside the legs; an arm ends where it branches into fingers. z points up
+and x forward (ROS REP 103).
 """
 
 from __future__ import annotations
@@ -19,34 +19,34 @@ from mgs.robot.init.skeleton import BASE, Skeleton
 from mgs.robot.init.source import Source
 from mgs.robot.urdf_text import joint_axis
 
-GROUND_LAYER = 0.02  # of the height; a body whose surface reaches into it may be a foot
-SOLE_LAYER = 0.004  # of the height; a body that reaches into it above the lowest stands as well
-MIRRORED = 0.03  # of the height; how far a body may be from the mirror image of another
+GROUND_LAYER = 0.02  # parts of the height: thickness of the layer in which feet are searched
+SOLE_LAYER = 0.004  # parts of the height: a body this close above the lowest one stands as well
+MIRRORED = 0.03  # parts of the height: tolerance of mirror symmetry
 
 
 @dataclass(frozen=True)
 class Anatomy:
-    """Joints by limb, from the trunk outward; numbers are Pinocchio's."""
+    """Pinocchio joint ids of each limb, from the trunk outward."""
 
     legs: tuple[list[int], list[int]]  # left and right
     waist: list[int]  # from the body that carries the legs to the one that carries the arms
     arms: tuple[list[int], list[int]] | None
     head: list[int]
-    locked: dict[int, str]  # joints held at rest, and why
-    pelvis: int  # body from which the legs hang
-    torso: int  # body from which the arms hang
+    locked: dict[int, str]  # reason for each locked joint
+    pelvis: int  # body that carries the legs
+    torso: int  # body that carries the arms
 
     @property
     def feet(self) -> tuple[int, int]:
-        """The bodies that stand."""
+        """Bodies of the left and the right foot."""
         return self.legs[0][-1], self.legs[1][-1]
 
 
 def find_anatomy(skeleton: Skeleton, source: Source) -> Anatomy:
-    """Sort the joints of a robot.
+    """Assign the joints of a robot to its limbs.
 
     Raises:
-        ConfigError: there are no two legs; says what was found instead.
+        ConfigError: the robot does not have two equal legs; the message states what was found.
     """
     feet = _feet(skeleton, source)
     paths = [skeleton.path(foot) for foot in feet]
@@ -57,11 +57,11 @@ def find_anatomy(skeleton: Skeleton, source: Source) -> Anatomy:
     if len(left) != len(right):
         raise ConfigError(
             source.path,
-            f"the legs differ: {len(left)} joints to {skeleton.name(feet[0])} and {len(right)} to "
-            f"{skeleton.name(feet[1])}",
+            f"the legs have different numbers of joints: {len(left)} to {skeleton.name(feet[0])} "
+            f"and {len(right)} to {skeleton.name(feet[1])}",
         )
     locked = {body: "toe" for foot in feet for body in skeleton.below(foot) if body != foot}
-    for side in (left, right):  # what else hangs on a leg
+    for side in (left, right):  # other bodies that a leg carries
         hanging = {body for joint in side for body in skeleton.below(joint)} - {*side}
         locked |= {body: "on a leg" for body in hanging if body not in locked}
     in_legs = {*left, *right, *locked}
@@ -92,7 +92,7 @@ def _without_arms(
 
 
 def _feet(skeleton: Skeleton, source: Source) -> tuple[int, int]:
-    """The left and the right foot."""
+    """Bodies of the left and the right foot."""
     feet = _standing(skeleton, source)
     middles = [skeleton.points_at_rest(foot)[:, 1].mean() for foot in feet]
     left, right = feet if middles[0] > middles[1] else feet[::-1]
@@ -100,7 +100,7 @@ def _feet(skeleton: Skeleton, source: Source) -> tuple[int, int]:
 
 
 def _standing(skeleton: Skeleton, source: Source) -> tuple[int, int]:
-    """The two bodies that reach the ground, in any order; toes are not among them."""
+    """The two bodies that reach the ground, without toes, in any order."""
     bodies = range(1, skeleton.model.njoints)
     low = {body: float(skeleton.points_at_rest(body)[:, 2].min()) for body in bodies}
     top = max(float(skeleton.points_at_rest(body)[:, 2].max()) for body in bodies)
@@ -109,10 +109,10 @@ def _standing(skeleton: Skeleton, source: Source) -> tuple[int, int]:
     if low[BASE] <= ground + GROUND_LAYER * height:
         raise ConfigError(
             source.path,
-            f"the base, link {skeleton.links[BASE][0]}, reaches down to the ground: mgs moves "
-            "robots that stand on two legs; z has to be up with every joint at 0",
+            f"the base link {skeleton.links[BASE][0]} reaches down to the ground; mgs supports "
+            "only robots that stand on two legs, and z must point up with every joint at 0",
         )
-    limbs: dict[int, list[int]] = {}  # by the body from which they part: those near the ground
+    limbs: dict[int, list[int]] = {}  # bodies near the ground by the first body of their limb
     for body in bodies:
         if low[body] <= ground + GROUND_LAYER * height:
             limbs.setdefault(_first_of_limb(skeleton, body, low, ground, height), []).append(body)
@@ -124,8 +124,8 @@ def _standing(skeleton: Skeleton, source: Source) -> tuple[int, int]:
         names = ", ".join(skeleton.links[foot][0] for foot in feet)
         raise ConfigError(
             source.path,
-            f"mgs moves robots that stand on two legs; with every joint at 0 and z up the ground "
-            f"is reached by {names}",
+            "mgs supports only robots that stand on two legs; with every joint at 0 and z up the "
+            f"ground is reached by {names}",
         )
     return feet[0], feet[1]
 
@@ -133,7 +133,7 @@ def _standing(skeleton: Skeleton, source: Source) -> tuple[int, int]:
 def _first_of_limb(
     skeleton: Skeleton, body: int, low: dict[int, float], ground: float, height: float
 ) -> int:
-    """The highest body on the path to a foot that carries nothing but what this foot ends."""
+    """Highest body on the path to `body` that carries no other body near the ground."""
     first = body
     for above in reversed(skeleton.path(body)[:-1]):
         ends = [b for b in skeleton.below(above) if low[b] <= ground + GROUND_LAYER * height]
@@ -144,9 +144,9 @@ def _first_of_limb(
 
 
 def heading(skeleton: Skeleton, source: Source) -> float:
-    """Where the robot looks, as a yaw in its base frame in quarters of a turn [rad].
+    """Yaw of the forward direction in the base frame, a multiple of a quarter turn [rad].
 
-    Feet stand side by side, and a knee bends so that the foot goes back.
+    The feet stand side by side, and bending a knee moves the foot backward.
     """
     feet = _standing(skeleton, source)
     ends = [skeleton.points_at_rest(foot).mean(axis=0) for foot in feet]
@@ -160,11 +160,11 @@ def heading(skeleton: Skeleton, source: Source) -> float:
 
 
 def _knee_moves_foot(skeleton: Skeleton, foot: int) -> Array:
-    """Direction (2,) in which a foot goes when the joint nearest to mid-leg bends."""
+    """Direction (2,) in which a foot moves when the joint nearest to mid-leg bends."""
     path = skeleton.path(foot)
     heights = np.array([skeleton.placements[j].translation[2] for j in path])
     ground = skeleton.points_at_rest(foot)[:, 2].min()
-    candidates = [j for j in path if abs(_axis_in_base(skeleton, j)[2]) < 0.5]  # no yaw joint
+    candidates = [j for j in path if abs(_axis_in_base(skeleton, j)[2]) < 0.5]  # without yaw joints
     middle = 0.5 * (heights[0] + ground)
     origins = {j: skeleton.placements[j].translation for j in path}
     knee = min(candidates or path, key=lambda j: abs(origins[j][2] - middle))
@@ -182,17 +182,17 @@ def _axis_in_base(skeleton: Skeleton, joint: int) -> Array:
 
 def _refuse_followers_in(legs: list[int], source: Source, skeleton: Skeleton) -> None:
     moved = {skeleton.name(joint) for joint in legs}
-    fixed = [f"{a} follows {b}" for a, b in source.mimics.items() if b in moved]
+    fixed = [f"{a} mimics {b}" for a, b in source.mimics.items() if b in moved]
     if fixed:
         raise ConfigError(
             source.path,
-            f"joints of the legs are coupled ({', '.join(fixed)}); mgs moves trees of independent "
-            "joints only",
+            f"leg joints are coupled ({', '.join(fixed)}); mgs supports only trees of independent "
+            "joints",
         )
 
 
 def _arms(skeleton: Skeleton, rest: list[int]) -> tuple[list[int], list[int]] | None:
-    """Joints of the longest pair of chains of which one mirrors the other, left first."""
+    """Joints of the longest pair of mirror-symmetric chains, left first."""
     origins = {j: skeleton.placements[j].translation for j in rest}
     lows = [skeleton.points_at_rest(b)[:, 2] for b in range(1, skeleton.model.njoints)]
     height = float(max(z.max() for z in lows) - min(z.min() for z in lows))
@@ -218,7 +218,7 @@ def _arms(skeleton: Skeleton, rest: list[int]) -> tuple[list[int], list[int]] | 
 def _without_fingers(
     skeleton: Skeleton, arms: tuple[list[int], list[int]], leaders: set[str]
 ) -> tuple[list[int], list[int]]:
-    """Arms up to the hand: where they branch, or where a gripper's leading joint begins."""
+    """Arms up to the hand: up to a branch, or up to the first joint that other joints mimic."""
     n = len(arms[0])
     for arm in arms:
         for i, joint in enumerate(arm):
@@ -231,7 +231,7 @@ def _without_fingers(
 
 
 def _head(skeleton: Skeleton, rest: list[int]) -> list[int]:
-    """The chain of `rest` that reaches highest, up to where it branches."""
+    """Chain of `rest` that reaches highest, up to its first branch."""
     roots = [j for j in rest if int(skeleton.model.parents[j]) not in rest]
     if not roots:
         return []

@@ -1,4 +1,4 @@
-"""Links of the cleaned copy: one for each moving body, with an inertia that engines take."""
+"""Links of the cleaned URDF: one per moving body, with inertias that physics engines accept."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from mgs.robot.init.skeleton import BASE, Skeleton
 from mgs.robot.init.sole import Sole
 from mgs.robot.urdf_text import Shape, add_link, add_revolute, joint_axis, numbers
 
-LEAST_MASS = 1e-5  # of the robot's
-LEAST_INERTIA = 1e-7  # of its mass times its leg length squared
-CLEAR = 0.005  # [m] that shapes stay above the soles
+LEAST_MASS = 1e-5  # least mass of a body, as part of the mass of the robot
+LEAST_INERTIA = 1e-7  # least principal inertia, as part of robot mass times leg length squared
+CLEAR = 0.005  # [m] least height of shapes other than feet above the soles
 
 
 def link_names(skeleton: Skeleton, root: ElementTree.Element) -> list[str]:
-    """Link of each body that keeps its name: the one that the joint moves; the root link."""
+    """Name of the link of each body: the child link of its joint, or the root link."""
     children = {j.get("name", ""): _child(j) for j in root.findall("joint")}
     ends = {_child(j) for j in root.findall("joint")}
     base = next(n for n in (link.get("name", "") for link in root.findall("link")) if n not in ends)
@@ -43,12 +43,12 @@ def cleaned_urdf(
     """URDF text of a skeleton.
 
     Args:
-        name: of the robot.
-        skeleton: its bodies.
-        links: name of each body's link.
+        name: name of the robot.
+        skeleton: bodies of the robot.
+        links: name of the link of each body.
         shapes: collision shapes of each body.
-        inertias: of each body.
-        figures: effort [N m] and velocity [rad/s] of each joint.
+        inertias: inertia of each body.
+        figures: torque limit [N m] and speed limit [rad/s] of each joint.
     """
     model, root = skeleton.model, ElementTree.Element("robot", name=name)
     for body in range(BASE, model.njoints):
@@ -68,7 +68,7 @@ def cleaned_urdf(
 def mended_inertias(
     skeleton: Skeleton, leg_length: float, links: list[str], notes: list[str]
 ) -> list[pin.Inertia]:
-    """Inertias of the bodies; those that no body can have are raised to the nearest and noted."""
+    """Inertias of the bodies; impossible ones are raised to the nearest possible, with a note."""
     mass = float(pin.computeTotalMass(skeleton.model))
     floor = LEAST_INERTIA * mass * leg_length**2
     inertias = [skeleton.model.inertias[0]]
@@ -79,11 +79,14 @@ def mended_inertias(
         new = np.maximum(moments, floor)
         new[:2] += 0.5 * max(0.0, new[2] * (1.0 + 1e-6) - new[0] - new[1])
         if new_mass > inertia.mass:
-            notes.append(f"link {links[body]} weighs {inertia.mass:g} kg; set to {new_mass:.2g} kg")
+            notes.append(
+                f"mass of link {links[body]} raised from {inertia.mass:g} kg to {new_mass:.2g} kg"
+            )
         if np.abs(new - moments).max() > 1e-9 * new[2]:
             was, now = (", ".join(f"{m:.3g}" for m in values) for values in (moments, new))
             notes.append(
-                f"link {links[body]}: no body has the principal moments {was} kg m^2; set to {now}"
+                f"link {links[body]}: physically impossible principal inertias {was} kg m^2 set to "
+                f"{now} kg m^2"
             )
             inertia = pin.Inertia(new_mass, inertia.lever, axes @ np.diag(new) @ axes.T)
         elif new_mass > inertia.mass:
@@ -95,10 +98,10 @@ def mended_inertias(
 def clean_shapes(
     skeleton: Skeleton, anatomy: Anatomy, soles: tuple[Sole, Sole], q: Array, notes: list[str]
 ) -> list[list[Shape]]:
-    """Collision shapes of the bodies: feet as boxes down to the sole, meshes as boxes.
+    """Collision shapes of the bodies: feet and meshes are replaced by boxes.
 
-    What reaches down to the soles in the posture q, other than feet, is left out: it is the corner
-    of a box about an ankle, and would carry the robot.
+    Shapes other than feet that reach down to the soles in the posture q are left out: they are
+    corners of boxes around ankles and would carry the robot.
     """
     model, data = skeleton.model, skeleton.model.createData()
     pin.forwardKinematics(model, data, q)
@@ -119,7 +122,7 @@ def clean_shapes(
                 data.oMi[body].rotation @ placement.rotation, kind, size
             )
             if low < ground + CLEAR:
-                notes.append(f"a shape of link {link} left out: its {kind} reaches to the ground")
+                notes.append(f"{kind} of link {link} left out: it reaches down to the ground")
                 continue
             shapes[body].append((placement, kind, size))
     return shapes
@@ -134,7 +137,7 @@ def _foot_box(points: Array, sole: Sole) -> Shape:
 
 
 def _half_height(R: Array, kind: str, size: dict[str, str]) -> float:
-    """Half the extent of a primitive along the vertical [m]."""
+    """Half of the vertical extent of a primitive [m]."""
     if kind == "sphere":
         return float(size["radius"])
     if kind == "box":

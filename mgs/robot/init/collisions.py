@@ -1,4 +1,4 @@
-"""Pairs of links whose shapes touch without meaning anything: what `ignore_collisions` is for."""
+"""Pairs of links whose shapes always touch, for `ignore_collisions` of robot.yaml."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ import pinocchio as pin
 from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.robot.robot import Robot
 
-NEARBY, N_NEARBY = 0.25, 40  # [rad] about the posture, number of postures looked at
+NEARBY, N_NEARBY = 0.25, 40  # [rad] range around the posture, number of random postures
 
 
 def touching_pairs(robot: Robot, watched: set[str]) -> list[tuple[str, str]]:
-    """Pairs of links that touch in the posture, or near it unless both are `watched`.
+    """Pairs of links that touch in the posture, or, unless both are `watched`, near the posture.
 
-    Boxes about meshes overlap across a link between them, as at an ankle: such pairs count too.
+    Pairs with one link between them are included, because bounding boxes of meshes overlap there,
+    for example at an ankle.
     """
     found = set(_across_a_link(robot))
     rng = np.random.default_rng(0)

@@ -1,4 +1,4 @@
-"""Torque and speed of every joint: what the URDF says, guessed where it says nothing usable."""
+"""Torque and speed limits of joints, from the URDF or guessed if the URDF has no usable value."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from mgs.core.constants import GRAVITY
 from mgs.robot.init.anatomy import Anatomy
 from mgs.robot.init.skeleton import Skeleton
 
-MOST_EFFORT, MOST_SPEED = 5e3, 60.0  # [N m], [rad/s]; beyond: put there for want of a figure
-LEG_TORQUE, OTHER_TORQUE = 0.5, 0.1  # of weight times leg length
-JOINT_SPEED = 3.0  # in units of sqrt(g / leg length)
+MOST_EFFORT, MOST_SPEED = 5e3, 60.0  # [N m], [rad/s]; larger values are placeholders
+LEG_TORQUE, OTHER_TORQUE = 0.5, 0.1  # guessed torque as part of weight times leg length
+JOINT_SPEED = 3.0  # guessed speed in units of sqrt(g / leg length)
 
 
 @dataclass(frozen=True)
 class ServoFigures:
-    """Effort [N m] and velocity [rad/s] of a joint, and which of the two are guesses."""
+    """Torque limit [N m] and speed limit [rad/s] of a joint, and the names of guessed values."""
 
     effort: float
     velocity: float
@@ -27,7 +27,7 @@ class ServoFigures:
 def servo_figures(
     skeleton: Skeleton, anatomy: Anatomy, root: ElementTree.Element, mass: float, leg: float
 ) -> dict[int, ServoFigures]:
-    """Figures of every joint of a robot of a mass [kg] and a leg length [m]."""
+    """Limits of every joint of a robot with a given mass [kg] and leg length [m]."""
     limits = {joint.get("name", ""): joint.find("limit") for joint in root.findall("joint")}
     strong = {*anatomy.legs[0], *anatomy.legs[1], *anatomy.waist}
     figures = {}

@@ -1,4 +1,4 @@
-"""From a URDF to the three files of a robot folder."""
+"""Draft of the three files of a robot folder from a URDF."""
 
 from __future__ import annotations
 
@@ -22,34 +22,34 @@ from mgs.robot.init.source import Source, read_source, turn
 from mgs.robot.init.text import Draft, readme, robot_yaml
 from mgs.robot.robot import Robot
 
-LEAST_SOLE, LARGEST_SOLE = 0.03, 0.8  # of the leg length; below: a point, beyond: no foot
+LEAST_SOLE, LARGEST_SOLE = 0.03, 0.8  # range of plausible sole sizes, as parts of the leg length
 LEAST_LEG_JOINTS = 5
-MOST_LISTED = 5
+MOST_LISTED = 5  # largest number of missing meshes in a message
 
 
 @dataclass(frozen=True, eq=False)
 class DraftFolder:
-    """Content of a robot folder, and the robot that it makes."""
+    """Contents of a robot folder, and the robot that they describe."""
 
     urdf: str
     yaml: str
     readme: str
     robot: Robot
-    notes: list[str]  # what was changed and what wants a look
+    notes: list[str]  # changes of the URDF and results that need a review
 
 
 def init_robot(
     urdf: Path, name: str | None = None, package_paths: tuple[Path, ...] = ()
 ) -> DraftFolder:
-    """Read a humanoid's URDF and draft a robot folder.
+    """Read the URDF of a humanoid and draft a robot folder.
 
     Args:
-        urdf: the file.
-        name: of the robot; None: as the URDF calls it.
-        package_paths: folders in which package:// names are looked for first.
+        urdf: path of the URDF.
+        name: name of the robot; None: the name in the URDF.
+        package_paths: folders in which the packages of package:// names are searched first.
 
     Raises:
-        ConfigError: the file is no URDF, or no robot that stands on two soles; says why.
+        ConfigError: the file is not the URDF of a robot that stands on two soles; with the reason.
     """
     source, skeleton = _read(urdf, package_paths)
     anatomy = find_anatomy(skeleton, source)
@@ -63,7 +63,8 @@ def init_robot(
     posture = find_posture(skeleton, anatomy, soles, torque)
     if posture.sole_error > NEAR:
         notes.append(
-            f"no posture found with both soles level: {posture.sole_error:.2g} m or rad are left"
+            "no posture with both soles level was found: the remaining error is "
+            f"{posture.sole_error:.2g} m or rad"
         )
     links = link_names(skeleton, source.root)
     inertias = mended_inertias(skeleton, leg, links, notes)
@@ -100,7 +101,7 @@ def write_robot(draft: DraftFolder, folder: Path, force: bool = False) -> None:
     """Write robot.urdf, README.md and robot.yaml.
 
     Raises:
-        OutputExistsError: one of them is there, and not `force`.
+        OutputExistsError: one of the files exists and `force` is False.
         MgsError: the folder cannot be written.
     """
     files = {"robot.urdf": draft.urdf, "README.md": draft.readme, "robot.yaml": draft.yaml}
@@ -112,7 +113,7 @@ def write_robot(draft: DraftFolder, folder: Path, force: bool = False) -> None:
 
 
 def _read(urdf: Path, package_paths: tuple[Path, ...]) -> tuple[Source, Skeleton]:
-    """Source and skeleton, x axis of the base where the robot looks."""
+    """Source and skeleton of a URDF, turned so that x of the base points forward."""
     source = read_source(urdf)
     skeleton = build_skeleton(source, package_paths)
     if yaw := heading(skeleton, source):
@@ -120,7 +121,7 @@ def _read(urdf: Path, package_paths: tuple[Path, ...]) -> tuple[Source, Skeleton
         skeleton = build_skeleton(source, package_paths)
     if skeleton.missing:
         source.notes.append(
-            f"{len(skeleton.missing)} mesh files not found, first {skeleton.missing[0]}: give "
+            f"{len(skeleton.missing)} mesh files were not found, e.g. {skeleton.missing[0]}; give "
             "their folder with --package-path"
         )
     return source, skeleton
@@ -133,9 +134,9 @@ def _soles(skeleton: Skeleton, anatomy: Anatomy, source: Source) -> tuple[Sole, 
             lost = f" ({', '.join(skeleton.missing[:MOST_LISTED])})" if skeleton.missing else ""
             raise ConfigError(
                 source.path,
-                f"foot {skeleton.links[bare[-1]][0]} has no shape that could be read{lost}, its "
-                "sole is not known: give the folder of its meshes with --package-path, or the link "
-                "a collision box",
+                f"foot {skeleton.links[bare[-1]][0]} has no readable shape{lost}, so that its sole "
+                "cannot be determined; give the folder of its meshes with --package-path, or add a "
+                "collision box to the link",
             )
     left, right = (find_sole(skeleton.points(f), skeleton.placements[f]) for f in anatomy.feet)
     return left, right
@@ -144,31 +145,31 @@ def _soles(skeleton: Skeleton, anatomy: Anatomy, source: Source) -> tuple[Sole, 
 def _refuse_unfit(
     skeleton: Skeleton, anatomy: Anatomy, soles: tuple[Sole, Sole], leg: float, source: Source
 ) -> None:
-    """Raise ConfigError where there are no soles to stand on or too few joints to place them."""
+    """Raise ConfigError if soles have an implausible size or legs have too few joints."""
     for side in Side:
         sole, link = soles[side], skeleton.links[anatomy.feet[side]][0]
         size = f"{1e3 * sole.length:.0f} x {1e3 * sole.width:.0f} mm"
         if min(sole.length, sole.width) < LEAST_SOLE * leg:
             raise ConfigError(
                 source.path,
-                f"point feet: link {link} stands on {size}, below {1e3 * LEAST_SOLE * leg:.0f} mm; "
-                "a ZMP needs soles that it can stay in",
+                f"point feet are not supported: the sole of link {link} is {size}, at least "
+                f"{1e3 * LEAST_SOLE * leg:.0f} mm in each direction are needed",
             )
         if max(sole.length, sole.width) > LARGEST_SOLE * leg:
             raise ConfigError(
                 source.path,
-                f"link {link}, the lowest, would stand on {size} under a leg of "
-                f"{1e3 * leg:.0f} mm: these are no feet; are the legs in the file?",
+                f"the lowest link, {link}, is not a foot: its sole would be {size} for a leg "
+                f"length of {1e3 * leg:.0f} mm; check that the URDF contains the legs",
             )
     n = len(anatomy.legs[0])
     if n < LEAST_LEG_JOINTS:
         raise ConfigError(
             source.path,
-            f"{n} joints per leg ({', '.join(skeleton.name(j) for j in anatomy.legs[0])}), at "
-            f"least {LEAST_LEG_JOINTS} are needed to keep a sole level where it is put",
+            f"a leg has {n} joints ({', '.join(skeleton.name(j) for j in anatomy.legs[0])}); at "
+            f"least {LEAST_LEG_JOINTS} are needed to keep a sole level",
         )
 
 
 def _shins(anatomy: Anatomy) -> list[int]:
-    """The lower half of either leg: what must never touch the other one."""
+    """Joints of the lower half of both legs, whose links must never touch the other leg."""
     return [joint for leg in anatomy.legs for joint in leg[len(leg) // 2 :]]

@@ -1,8 +1,8 @@
-"""The surface of every link as points, from primitives and from mesh files.
+"""Surface points of links, from primitives and mesh files.
 
-A mesh is named by a path, file://, package:// or model://. The latter two begin with the name of a
-package, which is looked for in the folders given, in the folders of ROS_PACKAGE_PATH and
-AMENT_PREFIX_PATH, and in every folder above the URDF.
+A mesh has a plain path or a name that starts with file://, package:// or model://. The latter two
+continue with the name of a package, which is searched in the given folders, in the folders of
+ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and in every folder above the URDF.
 """
 
 from __future__ import annotations
@@ -20,25 +20,25 @@ from mgs.core.arrays import Array
 from mgs.core.errors import ConfigError
 from mgs.robot.urdf_text import Shape, numbers
 
-MOST_POINTS = 20_000  # of a mesh that are looked at
-LEAST_SIDE = 2e-3  # [m] of a box
-RING = 16  # points around a cylinder
+MOST_POINTS = 20_000  # largest number of points of a mesh that are used
+LEAST_SIDE = 2e-3  # [m] least side length of a bounding box
+RING = 16  # number of points around a cylinder
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """One collision shape (or, where a link has none, one visual) of a link."""
+    """One collision shape of a link, or one visual shape if the link has no collision shape."""
 
-    placement: pin.SE3  # in the link
-    points: Array  # (N, 3) in the shape's frame [m]
+    placement: pin.SE3  # pose in the link frame
+    points: Array  # (N, 3) in the frame of the shape [m]
     primitive: tuple[str, dict[str, str]] | None  # element and attributes; None: a mesh
 
     def in_link(self) -> Array:
-        """Points (N, 3) in the link's frame."""
+        """Points (N, 3) in the frame of the link [m]."""
         return self.points @ self.placement.rotation.T + self.placement.translation
 
     def shape(self) -> Shape:
-        """Itself if it is a primitive, else a box about it."""
+        """The shape itself if it is a primitive, else its bounding box."""
         if self.primitive is not None:
             return self.placement, *self.primitive
         box, size = bounding_box(self.points)
@@ -46,7 +46,7 @@ class Surface:
 
 
 class Surfaces:
-    """Reads the shapes of links; meshes that are not found are remembered."""
+    """Reader of the shapes of links, which keeps a list of missing meshes."""
 
     def __init__(self, urdf: Path, root: ElementTree.Element, package_paths: tuple[Path, ...]):
         self._urdf, self._packages = urdf.resolve(), package_paths
@@ -55,7 +55,7 @@ class Surfaces:
         self.missing: list[str] = []
 
     def of_link(self, name: str) -> list[Surface]:
-        """Collision shapes of a link; its visuals where it has no collision shape."""
+        """Collision shapes of a link, or its visual shapes if it has no collision shape."""
         for tag in ("collision", "visual"):
             found = [self._read(element) for element in self._links[name].findall(tag)]
             surfaces = [surface for surface in found if surface is not None]
@@ -97,7 +97,7 @@ class Surfaces:
 
 
 def find_mesh(name: str, urdf: Path, package_paths: tuple[Path, ...]) -> Path | None:
-    """Path of a mesh file that a URDF names; None where there is none."""
+    """Path of a mesh file that is named in a URDF; None if the file is not found."""
     kind, _, rest = name.partition("://")
     if not rest:
         kind, rest = "file", name
@@ -124,7 +124,7 @@ def find_mesh(name: str, urdf: Path, package_paths: tuple[Path, ...]) -> Path | 
 
 
 def bounding_box(points: Array) -> tuple[pin.SE3, Array]:
-    """Pose and size (3,) of a box about points (N, 3): along the axes or the principal axes."""
+    """Pose and size (3,) of a bounding box of points (N, 3), along the axes or principal axes."""
     covariance = np.cov(points.T) if len(points) > 3 else np.eye(3)
     principal = np.linalg.eigh(covariance)[1]
     principal[:, 2] *= np.sign(np.linalg.det(principal))
@@ -160,7 +160,7 @@ def _primitive(placement: pin.SE3, shape: ElementTree.Element) -> Surface | None
         return Surface(placement, corners * size, ("box", {"size": numbers(size)}))
     if shape.tag == "sphere":
         radius = float(shape.get("radius", ""))
-        R = placement.rotation  # poles along the axes of the link, level soles end at one
+        R = placement.rotation  # points lie on the axes of the link, so that the lowest is exact
         points = radius * _directions() @ R
         return Surface(placement, points, ("sphere", {"radius": repr(radius)}))
     if shape.tag in ("cylinder", "capsule"):
@@ -177,7 +177,7 @@ def _primitive(placement: pin.SE3, shape: ElementTree.Element) -> Surface | None
 
 
 def _directions() -> Array:
-    """Unit vectors (N, 3) that cover the sphere, the axes among them."""
+    """Unit vectors (N, 3) that cover the sphere and include the axes."""
     polar, around = np.linspace(0.0, np.pi, 9), np.arange(RING) * 2.0 * np.pi / RING
     t, p = (x.ravel() for x in np.meshgrid(polar, around))
     return np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], axis=1)

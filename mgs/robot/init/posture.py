@@ -1,8 +1,9 @@
-"""A half-sitting posture: knees bent, soles level on one plane, the CoM above them.
+"""Computation of a half-sitting posture: knees bent, soles level on one plane, CoM above the soles.
 
-The base stays upright. Each leg is solved on its own by bounded least squares, its sole level, at
-its distance sideways at rest and at a height that bends the knee; the soles are moved under the
-CoM and the legs solved again until that settles. Arms hang forward with bent elbows.
+The base stays upright. Each leg is solved separately by bounded least squares, with a level sole,
+at the lateral distance of the sole with all joints at 0, and at a height that bends the knee. The
+soles are then moved below the CoM and the legs are solved again, until the position converges.
+The arms hang forward with bent elbows.
 """
 
 from __future__ import annotations
@@ -20,15 +21,15 @@ from mgs.robot.init.skeleton import Skeleton
 from mgs.robot.init.sole import Sole
 from mgs.robot.urdf_text import joint_axis
 
-CROUCHES = (0.95, 0.96, 0.97, 0.98)  # of the stretched leg, from hip to sole
-MOST_LOAD = 0.3  # of its torque that a joint in pitch may need to carry the robot on one leg
-LEG_ROOM = 0.25  # [rad] from the limits of a leg that leaves room for a step
-HAND_REACH = 0.85  # of the stretched arm, from shoulder to hand
-HAND_DIRECTION = (0.2, 0.2, -0.96)  # forward, outward, down
-REST_WEIGHT = 1e-3  # [m/rad] pull to the posture at rest
-NEAR = 1e-6  # [m] and [rad] that a sole may be off
-ROOM, ARM_ROOM = 0.02, 0.35  # [rad] kept from the limits of legs and arms, of narrow ones less
-BALANCE_ROUNDS = 20
+CROUCHES = (0.95, 0.96, 0.97, 0.98)  # distance from hip to sole, as part of the stretched leg
+MOST_LOAD = 0.3  # largest part of the torque of a pitch joint to carry the robot on one leg
+LEG_ROOM = 0.25  # [rad] distance from the limits of leg joints that suffices for a step
+HAND_REACH = 0.85  # distance from shoulder to hand, as part of the stretched arm
+HAND_DIRECTION = (0.2, 0.2, -0.96)  # forward, outward, up
+REST_WEIGHT = 1e-3  # [m/rad] weight of the distance from the posture at rest
+NEAR = 1e-6  # [m] and [rad] tolerance of the pose of a sole
+ROOM, ARM_ROOM = 0.02, 0.35  # [rad] distance from the limits of legs and arms; less if narrow
+BALANCE_ROUNDS = 20  # largest number of corrections of the soles
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +37,8 @@ class Posture:
     """Half-sitting configuration."""
 
     q: Array  # (nq,), base at the origin
-    sole_error: float  # [m] and [rad], largest of both legs
-    balance_error: float  # [m] CoM from the middle of the soles, forward
+    sole_error: float  # largest error of both soles [m] or [rad]
+    balance_error: float  # distance of the CoM in front of the middle of the soles [m]
 
 
 def leg_length(skeleton: Skeleton, leg: list[int], sole: Sole) -> float:
@@ -55,10 +56,10 @@ def hand_point(skeleton: Skeleton, body: int) -> Array:
 def find_posture(
     skeleton: Skeleton, anatomy: Anatomy, soles: tuple[Sole, Sole], torque: dict[int, float]
 ) -> Posture:
-    """Half-sitting posture: the lowest with level soles that legs have the room and strength for.
+    """Deepest posture with level soles, enough distance from joint limits and enough torque.
 
-    Where none has all of that, soles count before room and room before strength. `torque` [N m] is
-    what joints have.
+    If no posture meets all three conditions, they are ranked in this order. `torque` holds the
+    torque limit of each joint [N m].
     """
     q = skeleton.at_rest.copy()
     for side, arm in enumerate(anatomy.arms or ()):
@@ -76,7 +77,7 @@ def find_posture(
 
 
 def _room(skeleton: Skeleton, anatomy: Anatomy, q: Array) -> float:
-    """Least distance of a leg's joint from its limits [rad]."""
+    """Least distance of a leg joint from its limits [rad]."""
     at = _angles(skeleton, [*anatomy.legs[0], *anatomy.legs[1]])
     model = skeleton.model
     room = np.minimum(q[at] - model.lowerPositionLimit[at], model.upperPositionLimit[at] - q[at])
@@ -86,12 +87,12 @@ def _room(skeleton: Skeleton, anatomy: Anatomy, q: Array) -> float:
 def _load(
     skeleton: Skeleton, leg: list[int], sole: Sole, q: Array, torque: dict[int, float]
 ) -> float:
-    """Largest part of its torque that a joint in pitch needs to carry the robot on one leg."""
+    """Largest ratio of needed torque to torque limit of a pitch joint, standing on one leg."""
     model, data = skeleton.model, skeleton.model.createData()
     gravity = pin.computeGeneralizedGravity(model, data, q)
     pin.computeJointJacobians(model, data, q)
     at = data.oMi[leg[-1]].act(sole.placement.translation)
-    weight = np.array([0.0, 0.0, gravity[2]])  # the base is upright: its third force is the weight
+    weight = np.array([0.0, 0.0, gravity[2]])  # the base is upright: entry 2 is the weight
     wrench = np.concatenate([weight, np.cross(at, weight)])  # about the origin
     needed = gravity - pin.getJointJacobian(model, data, leg[-1], pin.WORLD).T @ wrench
     pitch = [j for j in leg if _turns_in_pitch(skeleton, j)]
@@ -129,7 +130,7 @@ def _sit(
 
 
 def _place_sole(skeleton: Skeleton, leg: list[int], sole: Sole, target: pin.SE3, q: Array) -> float:
-    """Solve the joints of a leg in q, in place; returns what is left of the error."""
+    """Solve the joints of a leg in q, in place; returns the remaining error [m] or [rad]."""
 
     def error(data: pin.Data) -> Array:
         T = data.oMi[leg[-1]] * sole.placement
@@ -140,7 +141,7 @@ def _place_sole(skeleton: Skeleton, leg: list[int], sole: Sole, target: pin.SE3,
 
 
 def _place_hand(skeleton: Skeleton, arm: list[int], outward: float, q: Array) -> None:
-    """Bend an arm in q, in place, as far as its limits let it."""
+    """Move a hand in q, in place, as close to its target as the joint limits permit."""
     shoulder, hand = skeleton.placements[arm[0]].translation, hand_point(skeleton, arm[-1])
     reach = sum(np.linalg.norm(skeleton.model.jointPlacements[j].translation) for j in arm[1:])
     reach += np.linalg.norm(hand)
@@ -155,7 +156,7 @@ def _place_hand(skeleton: Skeleton, arm: list[int], outward: float, q: Array) ->
 
 
 def _leg_starts(skeleton: Skeleton, leg: list[int], q: Array) -> Iterator[Array]:
-    """Where it stands, then knees bent either way with hip and ankle against it."""
+    """Start angles of a leg: the current ones, then a bent knee with hip and ankle opposed."""
     at = _angles(skeleton, leg)
     yield q[at]
     pitch = [i for i, joint in enumerate(leg) if _turns_in_pitch(skeleton, joint)]
@@ -168,7 +169,7 @@ def _leg_starts(skeleton: Skeleton, leg: list[int], q: Array) -> Iterator[Array]
 
 
 def _pitch_pattern(n: int) -> list[float]:
-    """Parts of the knee's bend by pitch joint, about +y: hip back, knee, ankle back."""
+    """Angle of each pitch joint about +y as part of the knee angle: hip, knee, ankle."""
     return [-0.5, 1.0, -0.5, *[0.0] * (n - 3)] if n >= 3 else [0.0] * n
 
 
@@ -184,9 +185,9 @@ def _solve(
     q: Array,
     room: float,
 ) -> float:
-    """Minimise an error over some joints of q, in place; returns its largest part that is left.
+    """Minimize an error over some joints of q, in place; returns the largest remaining entry.
 
-    Joints keep `room` [rad] from their limits, a quarter of the range at most.
+    Joints keep a distance of `room` [rad] from their limits, but at most a quarter of the range.
     """
     from scipy.optimize import least_squares
 
@@ -205,7 +206,7 @@ def _solve(
     best, least = rest, np.inf
     for start in starts:
         angles = np.clip(start, lower + 1e-6, upper - 1e-6)
-        for pull in (REST_WEIGHT, 0.0):  # the pull chooses among solutions, then it lets go
+        for pull in (REST_WEIGHT, 0.0):  # the weight selects a solution, then it is removed
             found = least_squares(
                 residual, angles, args=(pull,), bounds=(lower, upper), xtol=1e-12, ftol=1e-12,
                 gtol=1e-12, max_nfev=200,

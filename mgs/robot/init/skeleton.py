@@ -1,4 +1,4 @@
-"""A source URDF as Pinocchio's model, with the surface points of every body."""
+"""Pinocchio model of a third-party URDF, with the surface points of every body."""
 
 from __future__ import annotations
 
@@ -14,26 +14,27 @@ from mgs.core.errors import ConfigError
 from mgs.robot.init.points import Surface, Surfaces
 from mgs.robot.init.source import Source
 
-BASE = 1  # Pinocchio's joint of the floating base, and the body that it carries
+BASE = 1  # Pinocchio id of the floating-base joint and of its body
 
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
-    """Bodies, named by the Pinocchio joint that moves them; a body is all links fixed together.
+    """Bodies of a robot, with the ids of the Pinocchio joints that move them.
 
-    `at_rest` is the posture with every joint at 0, or at the end of its range that is nearest to
-    it; `placements` are poses of the bodies in the base frame then.
+    A body consists of all links that are fixed to each other. `at_rest` is the configuration with
+    every joint at 0, or at the limit nearest to 0; `placements` are the poses of the bodies in the
+    base frame in this configuration.
     """
 
     model: pin.Model
-    links: list[list[str]]  # of every body
-    surfaces: list[list[tuple[str, pin.SE3, Surface]]]  # of every body: link, its pose in the body
-    missing: list[str]  # mesh files that were not found
+    links: list[list[str]]  # names of the links of each body
+    surfaces: list[list[tuple[str, pin.SE3, Surface]]]  # of each body: link, pose in the body
+    missing: list[str]  # names of mesh files that were not found
     at_rest: Array  # (nq,)
     placements: list[pin.SE3]
 
     def points(self, body: int) -> Array:
-        """Surface of a body (N, 3) in its own frame; its origin where it has no shape."""
+        """Surface points (N, 3) of a body in its frame [m]; the origin if it has no shape."""
         found = [
             surface.in_link() @ pose.rotation.T + pose.translation
             for _, pose, surface in self.surfaces[body]
@@ -41,20 +42,20 @@ class Skeleton:
         return np.concatenate(found) if found else np.zeros((1, 3))
 
     def points_at_rest(self, body: int) -> Array:
-        """Surface of a body (N, 3) in the base frame, at rest."""
+        """Surface points (N, 3) of a body in the base frame, in the configuration at rest [m]."""
         pose = self.placements[body]
         return self.points(body) @ pose.rotation.T + pose.translation
 
     def path(self, body: int) -> list[int]:
-        """Bodies from the base, left out, to this one."""
+        """Bodies between the base (excluded) and this body (included)."""
         return [int(joint) for joint in self.model.supports[body]][2:]
 
     def children(self, body: int) -> list[int]:
-        """Bodies that hang on this one."""
+        """Child bodies of this body."""
         return [int(child) for child in self.model.children[body]]
 
     def below(self, body: int) -> list[int]:
-        """This body and all that hang on it."""
+        """This body and all bodies below it in the tree."""
         return [int(joint) for joint in self.model.subtrees[body]]
 
     def name(self, body: int) -> str:
@@ -63,10 +64,10 @@ class Skeleton:
 
 
 def build_skeleton(source: Source, package_paths: tuple[Path, ...]) -> Skeleton:
-    """Model and surfaces of a source.
+    """Model and surfaces of a URDF.
 
     Raises:
-        ConfigError: Pinocchio cannot read it.
+        ConfigError: Pinocchio cannot read the URDF.
     """
     text = ElementTree.tostring(source.root, encoding="unicode")
     try:

@@ -1,8 +1,8 @@
-"""The rectangle on which a foot stands, from the points of its surface.
+"""Contact rectangle of a foot, from the points of its surface.
 
-Of the facets of the foot's convex hull those that face down together make the plane of the sole:
-the direction with the largest area within 30 deg of the vertical. The rectangle bounds the points
-that lie in this plane.
+The plane of the sole is determined from the convex hull of the foot: among the directions within
+30 deg of the vertical, it is normal to the one in which the downward-facing facets have the largest
+area. The sole is the bounding rectangle of the points in this plane.
 """
 
 from __future__ import annotations
@@ -16,26 +16,26 @@ from mgs.core.arrays import Array
 
 STEEPEST = np.cos(np.deg2rad(30.0))
 SAME_FACE = np.cos(np.deg2rad(3.0))
-LAYER = 2e-3  # [m] thickness of what counts as the plane of the sole
-LEVEL = np.deg2rad(1.0)  # below that a sole is taken as level at rest
+LAYER = 2e-3  # [m] thickness of the layer of points that belong to the plane of the sole
+LEVEL = np.deg2rad(1.0)  # soles with a smaller inclination at rest are treated as level
 
 
 @dataclass(frozen=True, eq=False)
 class Sole:
     """Contact rectangle of a foot."""
 
-    placement: pin.SE3  # in the body: centre, x forward, z up
+    placement: pin.SE3  # pose in the body: centre, x forward, z up
     length: float  # [m]
     width: float  # [m]
 
 
 def find_sole(points: Array, body_in_base: pin.SE3) -> Sole:
-    """Sole of a foot with surface points (N, 3) in the body's frame, at rest where it is given."""
-    seen = points @ body_in_base.rotation.T  # in the axes of the base
+    """Sole of a foot with surface points (N, 3) in its body [m], at the given pose at rest."""
+    seen = points @ body_in_base.rotation.T  # points in the axes of the base
     up = _normal(seen)
     x = np.array([1.0, 0.0, 0.0]) - up[0] * up
     x /= np.linalg.norm(x)
-    R = np.stack([x, np.cross(up, x), up], axis=1)  # base from sole
+    R = np.stack([x, np.cross(up, x), up], axis=1)  # rotation from sole to base axes
     local = seen @ R
     bottom = float(local[:, 2].min())
     flat = local[local[:, 2] <= bottom + LAYER]
@@ -46,7 +46,7 @@ def find_sole(points: Array, body_in_base: pin.SE3) -> Sole:
 
 
 def _normal(points: Array) -> Array:
-    """Upward normal (3,) of the plane on which points (N, 3) would stand."""
+    """Upward normal (3,) of the plane on which a body with points (N, 3) stands."""
     from scipy.spatial import ConvexHull, QhullError
 
     vertical = np.array([0.0, 0.0, 1.0])

@@ -1,8 +1,8 @@
-"""A URDF of somebody else's, brought to what mgs moves: one tree of revolute joints.
+"""Reading of a third-party URDF as one tree of revolute joints, which is what mgs supports.
 
-What it has besides is made fixed and noted: prismatic joints, joints that mimic another, joints
-without a range. A link that two joints end at closes a loop, which no tree of position-controlled
-joints can follow; that is refused.
+Prismatic joints, joints that mimic another one and joints without a range are replaced by fixed
+joints, with a note. A link that is the child of two joints closes a loop; such a URDF is refused,
+because the joints of a loop cannot be controlled independently.
 """
 
 from __future__ import annotations
@@ -16,32 +16,32 @@ from mgs.core.errors import ConfigError
 from mgs.robot.urdf_lock import fix_joint
 
 MAX_BYTES = 20_000_000
-LEAST_RANGE = 1e-3  # [rad] below which a joint is taken as fixed
-WIDEST = 2.0 * math.pi  # [rad] beyond: a joint that turns without end
-TAKEN_NAMES = ("universe", "root_joint")  # by Pinocchio
+LEAST_RANGE = 1e-3  # [rad] joints with a smaller range are fixed
+WIDEST = 2.0 * math.pi  # [rad] joints with a larger limit are treated as continuous
+TAKEN_NAMES = ("universe", "root_joint")  # joint names that Pinocchio reserves
 
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """A URDF as a tree of revolute and fixed joints under one root link; `root` may be changed."""
+    """URDF as a tree of revolute and fixed joints below one root link; `root` is mutable."""
 
     path: Path
     root: ElementTree.Element
-    mimics: dict[str, str]  # joints that follow another, and which; they are fixed now
-    leaders: set[str]  # joints that others follow
+    mimics: dict[str, str]  # leader of each joint that mimics another one; these joints are fixed
+    leaders: set[str]  # joints that other joints mimic
     notes: list[str] = field(default_factory=list)
 
     @property
     def name(self) -> str:
-        """Name that the file gives the robot."""
+        """Name of the robot in the URDF, or of the file if there is none."""
         return self.root.get("name") or self.path.stem
 
 
 def read_source(path: Path) -> Source:
-    """Read a URDF and bring it into shape.
+    """Read a URDF and convert it to a tree of revolute and fixed joints.
 
     Raises:
-        ConfigError: it is missing, no URDF, or no tree of links that a floating base can carry.
+        ConfigError: the file is missing, is not a URDF, or does not contain one tree of links.
     """
     root = _parse(path)
     _refuse_loops(root, path)
@@ -58,18 +58,20 @@ def read_source(path: Path) -> Source:
 def _parse(path: Path) -> ElementTree.Element:
     try:
         if path.stat().st_size > MAX_BYTES:
-            raise ConfigError(path, f"larger than {MAX_BYTES // 10**6} MB, cannot be a URDF")
+            raise ConfigError(path, f"larger than {MAX_BYTES // 10**6} MB, probably not a URDF")
         root = ElementTree.fromstring(path.read_bytes())
     except OSError as error:
         raise ConfigError(path, (error.strerror or str(error)).lower()) from error
     except (ElementTree.ParseError, ValueError, LookupError) as error:
-        raise ConfigError(path, f"cannot read it as a URDF: no XML: {error}") from error
+        raise ConfigError(path, f"cannot read it as a URDF: not valid XML: {error}") from error
     if root.tag == "sdf":
         raise ConfigError(path, _why_not_sdf(root))
     if root.tag != "robot":
         raise ConfigError(path, f"cannot read it as a URDF: its root is <{root.tag}>, not <robot>")
     if any("xacro" in element.tag for element in root.iter() if isinstance(element.tag, str)):
-        raise ConfigError(path, "holds xacro macros; expand them first: xacro FILE > robot.urdf")
+        raise ConfigError(
+            path, "contains xacro macros; expand them first with xacro FILE > robot.urdf"
+        )
     if not root.findall("link"):
         raise ConfigError(path, "has no links")
     return root
@@ -80,14 +82,14 @@ def _why_not_sdf(root: ElementTree.Element) -> str:
     loops = [f"{link} ({' and '.join(names)})" for link, names in ends.items() if len(names) > 1]
     if loops:
         return (
-            f"an SDF with closed loops, at the links {', '.join(sorted(loops))}; mgs moves trees "
-            "of independent joints only"
+            f"an SDF with closed loops, at the links {', '.join(sorted(loops))}; mgs supports only "
+            "trees of independent joints"
         )
-    return "an SDF, not a URDF; convert it first"
+    return "an SDF, not a URDF; convert it to a URDF first"
 
 
 def _ends(joints: list[ElementTree.Element]) -> dict[str, list[str]]:
-    """Joints that end at each link."""
+    """Names of the joints whose child is each link."""
     ends: dict[str, list[str]] = {}
     for joint in joints:
         child = joint.find("child")
@@ -98,7 +100,7 @@ def _ends(joints: list[ElementTree.Element]) -> dict[str, list[str]]:
 
 
 def _refuse_loops(root: ElementTree.Element, path: Path) -> None:
-    """Raise ConfigError unless the joints make one tree of all links."""
+    """Raise ConfigError unless the joints connect all links in one tree."""
     joints = root.findall("joint")
     links = [link.get("name", "") for link in root.findall("link")]
     problems = []
@@ -106,7 +108,7 @@ def _refuse_loops(root: ElementTree.Element, path: Path) -> None:
         for tag in ("parent", "child"):
             end = joint.find(tag)
             if end is None or end.get("link") not in links:
-                problems.append(f"joint {joint.get('name')}: its {tag} is no link of the file")
+                problems.append(f"joint {joint.get('name')}: its {tag} is not a link of the file")
     for kind, names in (("link", links), ("joint", [joint.get("name", "") for joint in joints])):
         twice = sorted({name for name in names if names.count(name) > 1})
         problems += [f"{kind} {name!r} appears twice" for name in twice]
@@ -117,19 +119,19 @@ def _refuse_loops(root: ElementTree.Element, path: Path) -> None:
     for link, names in ends.items():
         if len(names) > 1:
             problems.append(
-                f"closed loop: link {link} hangs on {' and '.join(names)}; mgs moves trees of "
-                "independent joints only"
+                f"closed loop: link {link} is the child of the joints {' and '.join(names)}; mgs "
+                "supports only trees of independent joints"
             )
     problems += [f"closed loop: loop_joint {j.get('name')}" for j in root.findall("loop_joint")]
     roots = sorted(set(links) - set(ends))
     if not problems and len(roots) != 1:
-        problems.append(f"{len(roots)} root links ({', '.join(roots[:5])}), one is needed")
+        problems.append(f"{len(roots)} root links ({', '.join(roots[:5])}); exactly 1 is needed")
     if problems:
         raise ConfigError(path, problems)
 
 
 def _refuse_malformed(source: Source) -> None:
-    """Raise ConfigError for places and axes that are not three numbers, which no parser names."""
+    """Raise ConfigError for malformed positions and axes, with a message that names them."""
     problems = []
     for part in (*source.root.findall("joint"), *source.root.findall("link")):
         for element in part.iter():
@@ -153,7 +155,7 @@ def _is_triple(text: str) -> bool:
 
 
 def _cut_floating_base(root: ElementTree.Element, path: Path, notes: list[str]) -> None:
-    """Drop a floating joint and the world above it: mgs has a floating base of its own."""
+    """Remove a floating joint and the world link above it; mgs adds its own floating base."""
     for joint in root.findall("joint"):
         kind = joint.get("type")
         if kind not in ("floating", "planar"):
@@ -162,12 +164,12 @@ def _cut_floating_base(root: ElementTree.Element, path: Path, notes: list[str]) 
         others = [other for other in root.findall("joint") if other is not joint]
         if any(parent in (_end(other, "child"), _end(other, "parent")) for other in others):
             raise ConfigError(
-                path, f"joint {joint.get('name')}: a {kind} joint inside the robot cannot be moved"
+                path, f"joint {joint.get('name')}: {kind} joints inside the robot are not supported"
             )
         root.remove(joint)
         root.remove(next(link for link in root.findall("link") if link.get("name") == parent))
         name = joint.get("name")
-        notes.append(f"{kind} joint {name} and link {parent} left out: the base floats anyway")
+        notes.append(f"{kind} joint {name} and link {parent} removed: mgs adds a floating base")
 
 
 def _end(joint: ElementTree.Element, tag: str) -> str:
@@ -185,11 +187,11 @@ def _mimics(root: ElementTree.Element) -> dict[str, str]:
 
 
 def _bring_into_shape(joint: ElementTree.Element, source: Source) -> None:
-    """Make a joint fixed or revolute with limits, in place."""
+    """Change a joint in place into a fixed joint or a revolute joint with limits."""
     name, kind = joint.get("name", ""), joint.get("type")
     if name in TAKEN_NAMES:
         joint.set("name", f"{name}_")
-        source.notes.append(f"joint {name} renamed {name}_: Pinocchio uses the name itself")
+        source.notes.append(f"joint {name} renamed to {name}_: Pinocchio reserves this name")
     if kind == "fixed":
         return
     if kind == "prismatic":
@@ -199,11 +201,14 @@ def _bring_into_shape(joint: ElementTree.Element, source: Source) -> None:
         mimic = joint.find("mimic")
         offset, leader = _number(source, joint, mimic, "offset"), source.mimics[name]
         fix_joint(joint, offset)
-        source.notes.append(f"joint {name}, which mimics {leader}, fixed at {offset:g}")
+        source.notes.append(f"joint {name}, which mimics {leader}, fixed at {offset:g} rad")
     elif kind in ("revolute", "continuous"):
         _limit(joint, source)
     else:
-        raise ConfigError(source.path, f"joint {name}: type {kind!r} is unknown")
+        raise ConfigError(
+            source.path,
+            f"joint {name}: unknown type {kind!r}; use fixed, revolute, continuous or prismatic",
+        )
 
 
 def _limit(joint: ElementTree.Element, source: Source) -> None:
@@ -215,10 +220,10 @@ def _limit(joint: ElementTree.Element, source: Source) -> None:
     endless = joint.get("type") == "continuous" or unlimited
     if lower > upper:
         lower, upper = upper, lower
-        source.notes.append(f"joint {name}: limits [{upper:g}, {lower:g}] are reversed; swapped")
+        source.notes.append(f"joint {name}: reversed limits [{upper:g}, {lower:g}] rad swapped")
     if endless or max(-lower, upper) > WIDEST:
         lower, upper = -math.pi, math.pi
-        source.notes.append(f"joint {name} turns without end; its range is cut to half a turn")
+        source.notes.append(f"range of continuous joint {name} limited to half a turn either way")
     elif upper - lower < LEAST_RANGE:
         fix_joint(joint, 0.5 * (lower + upper))
         source.notes.append(f"joint {name} fixed: its range [{lower:g}, {upper:g}] rad is empty")
@@ -226,7 +231,7 @@ def _limit(joint: ElementTree.Element, source: Source) -> None:
     joint.set("type", "revolute")
     limit.set("lower", repr(lower))
     limit.set("upper", repr(upper))
-    for key in ("effort", "velocity"):  # what is missing or no number is guessed later
+    for key in ("effort", "velocity"):  # missing values and infinities are guessed later
         value = _number(source, joint, limit, key)
         limit.set(key, repr(value if math.isfinite(value) else 0.0))
     for tag in ("mimic", "safety_controller", "calibration", "dynamics"):
@@ -237,7 +242,7 @@ def _limit(joint: ElementTree.Element, source: Source) -> None:
 def _number(
     source: Source, joint: ElementTree.Element, element: ElementTree.Element | None, key: str
 ) -> float:
-    """An attribute of a joint's element; 0 where it is missing."""
+    """Number in an attribute of an element of a joint; 0 if it is missing."""
     text = "0" if element is None else element.get(key, "0")
     try:
         value = float(text)
@@ -245,14 +250,14 @@ def _number(
         value = math.nan
     if math.isnan(value):
         name = joint.get("name", "")
-        raise ConfigError(source.path, f"joint {name}: {key} = {text!r} is no number")
+        raise ConfigError(source.path, f"joint {name}: {key} = {text!r} is not a number")
     return value
 
 
 def turn(source: Source, yaw: float) -> None:
-    """Put a new root link above the old one, turned about the vertical, in place.
+    """Add a new root link above the old one, rotated about the vertical axis, in place.
 
-    Its x axis points where `yaw` [rad] points in the old root.
+    The x axis of the new root has the angle `yaw` [rad] in the frame of the old root.
     """
     links = {link.get("name", "") for link in source.root.findall("link")}
     old = next(iter(links - {_end(joint, "child") for joint in source.root.findall("joint")}))
@@ -265,5 +270,5 @@ def turn(source: Source, yaw: float) -> None:
     ElementTree.SubElement(joint, "child", link=old)
     ElementTree.SubElement(joint, "origin", xyz="0 0 0", rpy=f"0 0 {-yaw!r}")
     source.notes.append(
-        f"root link {name} added: the robot looks along {math.degrees(yaw):.0f} deg of {old}"
+        f"root link {name} added: forward is at {math.degrees(yaw):.0f} deg from x of {old}"
     )

@@ -1,4 +1,4 @@
-"""robot.yaml and README.md of a robot that was read from somebody else's URDF."""
+"""Text of robot.yaml and README.md for a robot that was read from a third-party URDF."""
 
 from __future__ import annotations
 
@@ -17,28 +17,28 @@ from mgs.robot.init.figures import ServoFigures
 from mgs.robot.init.skeleton import BASE, Skeleton
 from mgs.robot.init.sole import Sole
 
-UPRIGHT = 0.35  # [rad] that waist and head may turn either way
+UPRIGHT = 0.35  # [rad] largest angle of waist and head joints to either side of the posture
 PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_./-]*\Z")
 WORDS_OF_YAML = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
 
 
 @dataclass(frozen=True, eq=False)
 class Draft:
-    """Everything that robot.yaml says."""
+    """Contents of robot.yaml."""
 
     name: str
     skeleton: Skeleton
-    links: list[str]  # of every body
+    links: list[str]  # name of the link of each body
     anatomy: Anatomy
     soles: tuple[Sole, Sole]
-    hands: tuple[Array, Array] | None  # (3,) in their bodies [m]
-    q: Array  # half-sitting
+    hands: tuple[Array, Array] | None  # positions (3,) in the frames of their bodies [m]
+    q: Array  # half-sitting configuration
     figures: dict[int, ServoFigures]
     ignored: list[tuple[str, str]]
 
 
 def robot_yaml(draft: Draft) -> str:
-    """Text of robot.yaml; a line that holds a guess says so."""
+    """Text of robot.yaml; every line with a guessed value is marked."""
     return "\n".join([*_head(draft), *_posture(draft), *_servos(draft), *_tail(draft)]) + "\n"
 
 
@@ -47,21 +47,21 @@ def _head(draft: Draft) -> list[str]:
     base, torso = (word(draft.links[body]) for body in (BASE, anatomy.torso))
     carries = "body that carries the arms" if anatomy.arms else "body above the waist"
     lines = [
-        f"# {draft.name}: first draft by `mgs robot init`; lines marked `guess` want a look.",
-        "# Units m, rad, N m, rad/s, kg m^2; README.md says where the figures come from.",
+        f"# {draft.name}: first version by `mgs robot init`. Review the lines marked `guess`.",
+        "# Units: m, rad, N m, rad/s, kg m^2. README.md states the origin of the values.",
         "mgs: 1",
         f"name: {word(draft.name)}",
         "urdf: robot.urdf",
         f"base_link: {base}  # guess: root link",
         f"torso: {{link: {torso}, position: [0.0, 0.0, 0.0]}}  # guess: {carries}",
-        "soles:  # guess: rectangle about the lowest plane of each foot's surface",
+        "soles:  # guess: bounding rectangle of the lowest plane of each foot",
     ]
     for side in Side:
         sole, link = draft.soles[side], word(draft.links[anatomy.feet[side]])
         size = f"length: {sole.length:.4f}, width: {sole.width:.4f}"
         lines.append(f"  {side.label}: {{link: {link}, {_pose(sole.placement)}, {size}}}")
     if anatomy.arms is not None and draft.hands is not None:
-        lines.append("hands:  # guess: middle of the surface of each arm's last link")
+        lines.append("hands:  # guess: middle of the surface of the last link of each arm")
         for side in Side:
             link = word(draft.links[anatomy.arms[side][-1]])
             position = _list(draft.hands[side])
@@ -86,7 +86,7 @@ def _posture(draft: Draft) -> list[str]:
 
 def _servos(draft: Draft) -> list[str]:
     moving = _moving(draft)
-    lines = ["servos:  # effort and velocity of the URDF; the latter is taken for no-load speed"]
+    lines = ["servos:  # effort and velocity limits of the URDF; velocity taken as no-load speed"]
     seen: dict[str, ServoFigures] = {}
     for joint in moving:
         seen.setdefault(_servo(draft.figures[joint]), draft.figures[joint])
@@ -98,7 +98,7 @@ def _servos(draft: Draft) -> list[str]:
     lines += [f"  {word(draft.skeleton.name(j))}: {_servo(draft.figures[j])}" for j in moving]
     lines += _limits(draft)
     if draft.anatomy.locked:
-        lines.append("locked:  # guess: joints that no motion of the whole body needs [rad]")
+        lines.append("locked:  # guess: joints that whole-body motions do not need [rad]")
         for joint, why in sorted(draft.anatomy.locked.items()):
             angle = float(draft.q[draft.skeleton.model.idx_qs[joint]])
             lines.append(f"  {word(draft.skeleton.name(joint))}: {angle:.9g}  # {why}")
@@ -106,7 +106,7 @@ def _servos(draft: Draft) -> list[str]:
 
 
 def _limits(draft: Draft) -> list[str]:
-    """Waist and head near upright: their ranges in the URDF are wide and seldom symmetric."""
+    """Ranges of waist and head near upright; those in the URDF are wide and seldom symmetric."""
     model, lines = draft.skeleton.model, []
     for joint in [*draft.anatomy.waist, *draft.anatomy.head]:
         at = int(model.idx_qs[joint])
@@ -114,7 +114,7 @@ def _limits(draft: Draft) -> list[str]:
         low = max(float(model.lowerPositionLimit[at]), angle - UPRIGHT)
         high = min(float(model.upperPositionLimit[at]), angle + UPRIGHT)
         lines.append(f"  {word(draft.skeleton.name(joint))}: [{low!r}, {high!r}]")
-    heading = "limits:  # guess: a trunk near upright; widen for motions that bend it"
+    heading = "limits:  # guess: trunk near upright; widen them for motions that bend the trunk"
     return [heading, *lines] if lines else []
 
 
@@ -130,12 +130,12 @@ def _tail(draft: Draft) -> list[str]:
         lines.append(f"  {group}: [{names}]")
     if not draft.ignored:
         return [*lines, "ignore_collisions: []"]
-    lines.append("ignore_collisions:  # guess: their shapes touch in or near the posture")
+    lines.append("ignore_collisions:  # guess: the shapes touch in or near the posture")
     return [*lines, *(f"  - [{word(a)}, {word(b)}]" for a, b in draft.ignored)]
 
 
 def groups(anatomy: Anatomy) -> dict[str, list[int]]:
-    """Joints by limb; limbs that the robot has."""
+    """Joints of each limb that the robot has."""
     limbs = {f"{side.label}_leg": anatomy.legs[side] for side in Side}
     if anatomy.arms is not None:
         limbs |= {f"{side.label}_arm": anatomy.arms[side] for side in Side}
@@ -148,27 +148,28 @@ def _moving(draft: Draft) -> list[int]:
 
 
 def readme(draft: Draft, source: str, notes: Iterable[str]) -> str:
-    """Text of README.md: what was read, what was changed, what to do next."""
+    """Text of README.md: source, joints by limb, and all changes of the URDF."""
     limbs = [
         f"- {name.replace('_', ' ')}: {', '.join(draft.skeleton.name(j) for j in joints)}"
         for name, joints in groups(draft.anatomy).items()
     ]
-    changes = [f"- {note}" for note in notes] or ["- nothing"]
+    changes = [f"- {note}" for note in notes] or ["- no changes"]
     return "\n".join(
         [
             f"# {draft.name}",
             "",
-            f"First draft by `mgs robot init`, from `{source}`.",
+            f"First version by `mgs robot init`, made from `{source}`.",
             "",
-            "`robot.urdf` is a cleaned copy: one link for each moving body, with the inertia of "
-            "all that is fixed to it; feet and meshes as boxes, other shapes as they were. Lines "
-            "of `robot.yaml` marked `guess` want a look; `mgs robot check` says what is unsound.",
+            "`robot.urdf` is a cleaned copy of the source. It has one link for each moving body, "
+            "with the inertia of all links that are fixed to it. Feet and meshes are replaced by "
+            "boxes; other shapes are unchanged. Review the lines of `robot.yaml` that are marked "
+            "`guess`. `mgs robot check` finds errors in this folder.",
             "",
             "Joints by limb:",
             "",
             *limbs,
             "",
-            "Changed or left out:",
+            "Changes and omissions:",
             "",
             *changes,
             "",
@@ -177,7 +178,7 @@ def readme(draft: Draft, source: str, notes: Iterable[str]) -> str:
 
 
 def word(text: str) -> str:
-    """A string as YAML: plain where that is safe, else quoted."""
+    """String as YAML: plain if that is safe, else quoted."""
     plain = PLAIN.match(text) and text.lower() not in WORDS_OF_YAML
     return text if plain else json.dumps(text)
 

@@ -1,4 +1,4 @@
-"""A robot folder from a URDF: what is found in robots that ship and in bipeds of boxes."""
+"""Tests of drafted robot folders, with shipped robots and with bipeds made of boxes."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def unsound(robot: Robot) -> list[str]:
 
 
 @pytest.mark.parametrize("name", ["melson", "coman"])
-def test_what_is_found_in_a_shipped_urdf_is_what_its_robot_yaml_says(name: str):
+def test_the_draft_of_a_shipped_urdf_agrees_with_its_robot_yaml(name: str):
     draft, written = init_robot(shipped_folder("robots") / name / "robot.urdf"), load_robot(name)
     found, spec = draft.robot.spec, written.spec
     assert found.base_link == spec.base_link
@@ -57,7 +57,7 @@ def test_what_is_found_in_a_shipped_urdf_is_what_its_robot_yaml_says(name: str):
 
 
 @pytest.mark.parametrize("name", ["melson", "coman"])
-def test_the_cleaned_copy_moves_and_weighs_as_the_original(name: str):
+def test_the_cleaned_copy_has_the_kinematics_and_masses_of_the_source(name: str):
     text = (shipped_folder("robots") / name / "robot.urdf").read_text()
     original = pin.buildModelFromXML(text, pin.JointModelFreeFlyer())
     model = init_robot(shipped_folder("robots") / name / "robot.urdf").robot.model
@@ -177,7 +177,7 @@ def test_fingers_are_locked_where_an_arm_branches(tmp_path: Path):
     assert not set(locked) & set(draft.robot.joint_names)
 
 
-def test_followers_are_fixed_and_their_leader_is_locked(tmp_path: Path):
+def test_mimic_joints_are_fixed_and_their_leader_is_locked(tmp_path: Path):
     mimic = '<mimic joint="{side}_finger0" multiplier="2" offset="0.2"/>'
     kinds = ("revolute", ""), ("revolute", mimic), ("prismatic", "")
     draft = drafted(Biped(extra=fingers(*kinds)), tmp_path)
@@ -188,7 +188,7 @@ def test_followers_are_fixed_and_their_leader_is_locked(tmp_path: Path):
 
 
 @pytest.mark.parametrize("kind", ["floating", "fixed"])
-def test_a_world_above_the_base_changes_nothing(kind: str, tmp_path: Path):
+def test_a_world_link_above_the_base_changes_nothing(kind: str, tmp_path: Path):
     world = (
         f'<link name="world"/><joint name="free" type="{kind}"><parent link="world"/>'
         '<child link="pelvis"/><origin xyz="0 0 1"/></joint>'
@@ -199,7 +199,7 @@ def test_a_world_above_the_base_changes_nothing(kind: str, tmp_path: Path):
     assert draft.robot.mass == pytest.approx(plain.robot.mass)
 
 
-def test_figures_that_the_urdf_lacks_are_guessed_and_marked(tmp_path: Path):
+def test_limits_missing_in_the_urdf_are_guessed_and_marked(tmp_path: Path):
     draft = drafted(Biped(effort=0.0, velocity=1e6), tmp_path)
     lines = [line for line in draft.yaml.splitlines() if "stall_torque:" in line]
     assert lines and all("# guess: stall_torque and no_load_speed" in line for line in lines)
@@ -213,17 +213,17 @@ def test_figures_that_the_urdf_lacks_are_guessed_and_marked(tmp_path: Path):
         )
 
 
-def test_inertias_that_no_body_has_are_mended(tmp_path: Path):
+def test_physically_impossible_inertias_are_corrected(tmp_path: Path):
     head, link, tail = Biped().urdf().partition('<link name="left_hip_yaw_link">')
     flat = head + link + re.sub('mass value="[^"]*"', 'mass value="0"', tail, count=1)
     draft = drafted(flat, tmp_path)
-    assert any("weighs 0 kg" in note for note in draft.notes)
+    assert any("raised from 0 kg" in note for note in draft.notes)
     for inertia in draft.robot.model.inertias[1:]:
         low, middle, high = np.linalg.eigvalsh(inertia.inertia)
         assert inertia.mass > 0.0 and low > 0.0 and low + middle >= high * (1.0 - 1e-9)
 
 
-# --- what is refused ----------------------------------------------------------------------------
+# --- refused files -------------------------------------------------------------------------------
 
 LOOP = """<joint name="rod" type="revolute"><parent link="left_knee_pitch_link"/>
   <child link="left_ankle_roll_link"/><limit lower="-1" upper="1" effort="1" velocity="1"/>
@@ -238,50 +238,50 @@ def with_following_knee() -> str:
 
 
 REFUSED = {
-    "point feet": (Biped(foot_geometry='<sphere radius="0.02"/>'), "point feet: link left_ankle"),
-    "a closed loop": (Biped(extra=[LOOP]), "closed loop: link left_ankle_roll_link hangs on"),
+    "point feet": (Biped(foot_geometry='<sphere radius="0.02"/>'), "point feet .* link left_ankle"),
+    "a closed loop": (Biped(extra=[LOOP]), "link left_ankle_roll_link is the child of"),
     "a loop for Gazebo": (
         Biped(extra=[f"<gazebo>{LOOP}</gazebo>"]),
         "closed loop: link left_ankle_roll_link",
     ),
-    "coupled legs": (with_following_knee(), "left_knee_pitch follows left_hip_pitch"),
+    "coupled legs": (with_following_knee(), "left_knee_pitch mimics left_hip_pitch"),
     "three joints a leg": (
         Biped(leg=("hip_roll", "hip_pitch", "knee_pitch")),
-        "3 joints per leg .* at least 5",
+        "a leg has 3 joints .* at least 5",
     ),
-    "a foot without shape": (Biped(foot_geometry="<none/>"), "has no shape"),
+    "a foot without shape": (Biped(foot_geometry="<none/>"), "has no readable shape"),
     "macros": (
         '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:a/><link name="a"/></robot>',
         "xacro macros",
     ),
-    "no XML": ("robot", "no XML"),
+    "not XML": ("robot", "not valid XML"),
     "another format": ("<mujoco/>", "<mujoco>, not <robot>"),
     "an SDF": ('<sdf><model><link name="a"/></model></sdf>', "an SDF, not a URDF"),
     "no links": ("<robot name='a'/>", "no links"),
     "two roots": (Biped(extra=['<link name="stray"/>']), "2 root links"),
     "a joint to nowhere": (
         Biped(extra=[STRAY]),
-        "joint x: its parent is no link",
+        "joint x: its parent is not a link",
     ),
-    "a place that is no place": (
+    "a malformed position": (
         Biped().urdf().replace('xyz="0.0 0.0 -0.315"', 'xyz="0.0 0.0, -0.315"', 1),
         "left_knee_pitch: origin xyz = '0.0 0.0, -0.315' is not three numbers",
     ),
-    "a limit that is no number": (
+    "a limit that is not a number": (
         Biped().urdf().replace('lower="0.0"', 'lower="low"', 1),
-        "left_knee_pitch: lower = 'low' is no number",
+        "left_knee_pitch: lower = 'low' is not a number",
     ),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_what_cannot_walk_is_refused_with_the_reason(name: str, tmp_path: Path):
+def test_an_unsuitable_urdf_is_refused_with_the_reason(name: str, tmp_path: Path):
     biped, reason = REFUSED[name]
     with pytest.raises(ConfigError, match=reason):
         drafted(biped, tmp_path)
 
 
-def test_four_feet_are_too_many(tmp_path: Path):
+def test_a_robot_with_four_feet_is_refused(tmp_path: Path):
     second = Biped(root="second", arm=(), waist=()).urdf()
     links = second.replace('name="left', 'name="hind_left').replace('link="left', 'link="hind_left')
     links = links.replace('name="right', 'name="hind_right').replace(
@@ -296,7 +296,7 @@ def test_four_feet_are_too_many(tmp_path: Path):
         drafted(Biped(arm=(), waist=(), extra=[inside, spine]), tmp_path)
 
 
-def test_nothing_is_overwritten_unasked(tmp_path: Path):
+def test_nothing_is_overwritten_without_force(tmp_path: Path):
     draft = drafted(Biped(), tmp_path)
     write_robot(draft, tmp_path / "mine")
     with pytest.raises(OutputExistsError):

@@ -1,4 +1,4 @@
-"""Surfaces of links: meshes are found where URDFs say, and points lie on the shapes."""
+"""Tests of link surfaces: meshes are found, and points lie on the shapes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LENGTH, WIDTH = 0.18, 0.08  # [m] of the foot in the mesh, which is in millimetr
 
 
 def write_box(path: Path) -> None:
-    """A foot as an STL: a box about the origin, in millimetres."""
+    """Write a foot as an STL file: a box around the origin, in millimetres."""
     path.parent.mkdir(parents=True)
     corners = np.array(np.meshgrid(*[[-0.5, 0.5]] * 3)).reshape(3, -1).T * [180.0, 80.0, 20.0]
     lines = ["solid foot"]
@@ -62,7 +62,9 @@ def test_a_package_is_found_in_the_folders_given(inside: str, tmp_path: Path):
     assert_foot(urdf, tmp_path / "elsewhere" / inside)
 
 
-def test_ros_and_ament_say_where_packages_are(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_packages_are_found_in_the_paths_of_ros_and_ament(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     mesh = tmp_path / "ws" / "share" / "feet" / "foot.stl"
     write_box(mesh)
     urdf = tmp_path / "alone" / "robot.urdf"
@@ -82,7 +84,7 @@ def test_plain_paths_are_relative_to_the_urdf(tmp_path: Path):
         assert_foot(urdf)
 
 
-def test_a_mesh_that_is_no_mesh_is_told(tmp_path: Path):
+def test_an_unreadable_mesh_is_reported(tmp_path: Path):
     (tmp_path / "foot.stl").write_text("nothing")
     urdf = tmp_path / "robot.urdf"
     urdf.write_text(biped("foot.stl").urdf())

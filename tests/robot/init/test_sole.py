@@ -1,4 +1,4 @@
-"""The contact rectangle of a foot, however its body's axes lie."""
+"""Tests of the contact rectangle of a foot, for any orientation of the axes of its body."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ angle = st.floats(-np.pi, np.pi)
 def test_a_box_stands_on_its_lower_face(
     rpy: tuple[float, float, float], tilt: float, length: float, width: float
 ):
-    """The foot of a robot that stands with its toes `tilt` up; its body's axes lie anywhere."""
+    """The toes of the standing robot point up by `tilt`; the axes of the body are arbitrary."""
     corners = np.array(np.meshgrid(*[[-0.5, 0.5]] * 3)).reshape(3, -1).T * [length, width, 0.04]
     T_base_foot = pin.SE3(pin.rpy.rpyToMatrix(0.0, -tilt, 0.0), np.array([0.1, 0.2, -0.7]))
     T_base_body = pin.SE3(pin.rpy.rpyToMatrix(*rpy), np.array([0.05, 0.2, -0.6]))

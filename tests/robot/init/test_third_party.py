@@ -1,4 +1,4 @@
-"""Humanoids from other people's packages, where these are installed: pip install "mgs[robots]"."""
+"""Tests with third-party humanoids, if their packages are installed: pip install "mgs[robots]"."""
 
 from __future__ import annotations
 
@@ -52,6 +52,6 @@ def test_it_walks_without_editing(package: str, name: str, joints: int):
         ("anymal_b_simple_description/robots/anymal.urdf", "two legs"),
     ],
 )
-def test_what_cannot_walk_on_soles_is_refused(name: str, reason: str):
+def test_a_robot_without_two_soles_is_refused(name: str, reason: str):
     with pytest.raises(ConfigError, match=reason):
         init_robot(file_of("example-robot-data", name))
