@@ -87,7 +87,7 @@ def entry(name: str) -> Entry:
     failed = [check.name for check in checks.values() if not check.ok]
     physics = []
     for engine in available_engines():
-        servos = SERVOS if is_modelled(motion.robot) else SERVOS[:1]
+        servos = SERVOS[:2] if is_modelled(motion.robot) else SERVOS[:1]
         fates = []
         for servo in servos:
             result = replay(motion, engine, servo=servo)

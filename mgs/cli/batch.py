@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mgs.cli.common import ProgressBar, json_option, print_json
-from mgs.cli.judge import engines_of, servo_option
+from mgs.cli.judge import engines_of
+from mgs.cli.servo_options import servo_option
 
 if TYPE_CHECKING:
     from mgs.library.points import Plan
@@ -153,8 +154,9 @@ def run(
             "--workers", "cannot be combined with --dask; the cluster has its own workers"
         )
     engines = tuple(engines_of(physics))
-    if servo == "model" and not engines:
-        raise ConfigError("--servo", "model has no effect without replays; add --physics ENGINES")
+    if servo != "ideal" and not engines:
+        remedy = "has no effect without replays; add --physics ENGINES"
+        raise ConfigError("--servo", f"{servo} {remedy}")
     from mgs.library.points import plan_sweep
     from mgs.library.quiet import silence
 

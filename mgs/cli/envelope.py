@@ -16,7 +16,8 @@ from mgs.cli.common import (
     print_json,
     with_progress,
 )
-from mgs.cli.judge import engines_of, servo_option_of
+from mgs.cli.judge import engines_of
+from mgs.cli.servo_options import servo_option_of
 from mgs.core.errors import ConfigError
 
 if TYPE_CHECKING:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from mgs.cli import verdict_text
 from mgs.cli.common import (
     FiniteRange,
     json_option,
@@ -16,30 +16,18 @@ from mgs.cli.common import (
     progress_bars,
     with_progress,
 )
+from mgs.cli.servo_options import (
+    check_servos,
+    damping_time_option,
+    feed_forward_option,
+    sag_option,
+    servo_option,
+    servos_option_of,
+)
 
 if TYPE_CHECKING:
-    from mgs.judge.motion_checks import Check
     from mgs.judge.verdict import Verdict
-    from mgs.sim import Agreement, EngineName, Replay, ServoName
-
-F = TypeVar("F", bound=Callable[..., Any])
-
-
-def servo_option_of(default: str) -> Callable[[F], F]:
-    """Option --servo with the given default."""
-    return click.option(
-        "--servo", type=click.Choice(["ideal", "model"]), default=default,
-        help="Servos in the replays: ideal position control, or the servo models of robot.yaml. "
-        f"Default: {default}.",
-    )  # fmt: skip
-
-
-servo_option = servo_option_of("ideal")
-feed_forward_option = click.option(
-    "--feed-forward/--no-feed-forward", default=None,
-    help="Commands to modelled servos: angles that compensate their position error under load, or "
-    "the planned angles. Default: --feed-forward.",
-)  # fmt: skip
+    from mgs.sim import EngineName, ServoName
 
 
 @click.command()
@@ -49,7 +37,9 @@ feed_forward_option = click.option(
     help="Physics engines for the replays: pybullet, mujoco, pybullet,mujoco or none. Default: all "
     "installed engines.",
 )  # fmt: skip
-@servo_option
+@servos_option_of("ideal")
+@sag_option
+@damping_time_option
 @feed_forward_option
 @click.option(
     "--monte-carlo", "n_draws", metavar="N", type=click.IntRange(1, 100_000),
@@ -76,7 +66,9 @@ def validate(
     ctx: click.Context,
     file: Path,
     physics: str | None,
-    servo: ServoName,
+    servos: tuple[ServoName, ...],
+    sag_deg: float | None,
+    damping_time: float | None,
     feed_forward: bool | None,
     n_draws: int | None,
     ranges: str,
@@ -92,7 +84,8 @@ def validate(
 
     With --monte-carlo N the motion is also replayed N times under random conditions: floor
     friction, slope and bumps, masses, centre of mass, servo gains, supply voltage, latency and
-    joint zero positions vary. The robot has to stay up in at least 95 % of these replays.
+    joint zero positions vary, and the sag of PD servos. The robot has to stay up in at least 95 %
+    of these replays. Their servos are the first kind that --servo names.
 
     Exit code 0 if all checks pass, 1 if a check fails.
 
@@ -101,18 +94,21 @@ def validate(
       mgs validate walk.mcap
       mgs validate walk.mcap --physics none --json
       mgs validate walk.mcap --servo model
+      mgs validate walk.mcap --servo ideal,pd --sag 2
       mgs validate walk.mcap --monte-carlo 200 --ranges wide --workers 4
       mgs validate walk.mcap --sample 17
     """  # noqa: D301
     from mgs.judge.validate import validate as run
 
     engines = engines_of(physics)
-    check_servo(servo, feed_forward)
+    check_servos(servos, feed_forward, sag_deg, damping_time)
     with progress_bars() as tell:
         verdict = run(
             file,
             physics=engines,
-            servo=servo,
+            servo=servos,
+            sag_deg=sag_deg,
+            damping_time=damping_time,
             feed_forward=feed_forward,
             monte_carlo=n_draws,
             ranges=ranges,
@@ -144,6 +140,8 @@ def validate(
     help="Friction coefficient between soles and ground.",
 )  # fmt: skip
 @servo_option
+@sag_option
+@damping_time_option
 @feed_forward_option
 @json_option
 @click.pass_context
@@ -155,6 +153,8 @@ def replay(
     iterations: int | None,
     friction: float | None,
     servo: ServoName,
+    sag_deg: float | None,
+    damping_time: float | None,
     feed_forward: bool | None,
     as_json: bool,
 ) -> None:
@@ -167,25 +167,23 @@ def replay(
     Examples:
       mgs replay walk.mcap
       mgs replay walk.mcap --engine mujoco --friction 0.5 --json
+      mgs replay walk.mcap --servo pd --sag 2
       mgs replay walk.mcap --servo model --no-feed-forward
     """  # noqa: D301
-    import dataclasses
-
-    from mgs.sim import DEFAULTS
+    from mgs.sim import engine_settings
     from mgs.sim import replay as run
 
-    check_servo(servo, feed_forward)
+    check_servos((servo,), feed_forward, sag_deg, damping_time)
     name = engine or engines_of(None)[0]
     changes = {"dt": step, "iterations": iterations, "friction": friction}
-    given = {key: value for key, value in changes.items() if value is not None}
-    settings = dataclasses.replace(DEFAULTS[name], **given)  # type: ignore[arg-type]
+    settings = engine_settings(name, sag_deg, damping_time, **changes)
     result = with_progress(
         name, lambda bar: run(file, name, settings, bar, servo=servo, feed_forward=feed_forward)
     )
     if as_json:
         print_json(result.to_json())
     else:
-        click.echo(_sentence(result))
+        click.echo(verdict_text.sentence(result))
     ctx.exit(1 if result.fell else 0)
 
 
@@ -196,80 +194,17 @@ def engines_of(physics: str | None) -> list[EngineName]:
     return list(choose_engines(physics, "--physics"))
 
 
-def check_servo(servo: ServoName, feed_forward: bool | None) -> None:
-    """Raise ConfigError if feed-forward commands are requested for ideal servos."""
-    from mgs.sim import check_servo
-
-    check_servo(servo, feed_forward, "--feed-forward")
-
-
 def _print_verdict(verdict: Verdict) -> None:
     for check in verdict.checks:
-        click.echo(_line(check))
+        click.echo(verdict_text.line(check))
     for replay in verdict.replays:
-        click.echo(_sentence(replay))
+        click.echo(verdict_text.sentence(replay))
     if (agreed := verdict.agreement) is not None:
-        click.echo(_agreement(agreed))
+        click.echo(verdict_text.agreement(agreed))
     draws: Any = verdict.monte_carlo or {"engines": ()}
     for figures in draws["engines"]:
-        click.echo(_survival(figures))
+        click.echo(verdict_text.survival(figures))
     if not verdict.replays:
         click.echo("no replay in physics: falling was not checked")
     failed = verdict.failed
     click.echo(f"FAIL: {', '.join(failed)}" if failed else "PASS")
-
-
-def _line(check: Check) -> str:
-    mark = "ok  " if check.ok else "FAIL"
-    time = "" if check.time is None else f"  at {check.time:.2f} s"
-    where = f"  {check.where}" if check.where else ""
-    figure = f"{check.value:.4g} {check.unit} (limit {check.limit:.4g})"
-    return f"{mark} {check.name:22s} {figure}{time}{where}"
-
-
-def _survival(figures: dict[str, Any]) -> str:
-    low, high = figures["wilson_95"]
-    text = (
-        f"{figures['engine']}, {figures['servo']} servos, ranges {figures['ranges']}, "
-        f"seed {figures['seed']}: the robot stays up in {figures['survived']} of {figures['n']} "
-        f"replays, 95 % confidence interval {low:.3f} to {high:.3f}"
-    )
-    worst = figures["offenders"]
-    if worst:
-        told = (f"{o['parameter']} ({o['probability']:.2f})" for o in worst[:3])
-        text += f"; falls correlate with {', '.join(told)}"
-    return text
-
-
-def _agreement(found: Agreement) -> str:
-    apart = (
-        f"sole loads {100.0 * found.load:.0f} % of the weight (RMS), ZMP "
-        f"{1e3 * found.zmp:.1f} mm (RMS), tilt {found.tilt_deg:.1f} deg, "
-        f"final pose {1e3 * found.end_position:.1f} mm and {found.end_yaw_deg:.1f} deg"
-    )
-    fate = "" if found.same_fate else "; they DISAGREE on whether the robot falls"
-    return f"differences between {' and '.join(found.engines)}: {apart}{fate}"
-
-
-def _sentence(replay: Replay) -> str:
-    x, y = replay.distance
-    planned_x, planned_y = replay.planned_distance
-    fate = f"FELL at {replay.fall_time:.2f} s" if replay.fell else "stays up"
-    servos = {
-        ("ideal", False): "ideal servos",
-        ("model", True): "modelled servos, feed-forward",
-        ("model", False): "modelled servos",
-    }[replay.servo, replay.feed_forward]
-    if replay.command_clipped_joint is not None:
-        servos += (
-            f" (commands clipped by up to {replay.command_clipped_deg:.1f} deg at the limit of "
-            f"{replay.command_clipped_joint})"
-        )
-    return (
-        f"{replay.engine} {replay.version}, {servos}: {fate}; displacement ({x:+.3f}, {y:+.3f}) m, "
-        f"planned ({planned_x:+.3f}, {planned_y:+.3f}) m, yaw error "
-        f"{replay.yaw_error_deg:+.2f} deg, largest tilt {replay.max_tilt_deg:.1f} deg, "
-        f"sole slip {1e3 * replay.sole_slip_max:.1f} mm, "
-        f"joint error {replay.joint_error_rms_deg:.2f} deg RMS, longest torque saturation "
-        f"{1e3 * replay.torque_saturation:.0f} ms; computing time {replay.wall_seconds:.1f} s"
-    )

@@ -16,7 +16,8 @@ from mgs.cli.common import (
     print_json,
     with_progress,
 )
-from mgs.cli.judge import check_servo, engines_of, feed_forward_option, servo_option_of
+from mgs.cli.judge import engines_of
+from mgs.cli.servo_options import check_servos, feed_forward_option, servo_option_of
 from mgs.core.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ def refine(
     from mgs.motion_file import read_motion, write_motion
     from mgs.search.refine import refine as run
 
-    check_servo(servo, feed_forward)
+    check_servos((servo,), feed_forward)
     engines = engines_of(physics)
     if not engines:
         raise ConfigError("--physics", "none is not possible, because the corrections need "

@@ -19,12 +19,24 @@ from mgs.core.progress import Progress
 from mgs.judge.motion_checks import Check
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
-from mgs.sim import EngineName, ServoName, replay
+from mgs.sim import EngineName, ServoName, Settings, replay
 from mgs.sim.conditions import RANGES, Ranges, draw
 
 Z_95 = 1.959964  # of the normal distribution
 LEAST_RATE = 0.95  # of draws that have to survive
 LEAST_FALLS = 3  # below, nothing is said of what they have in common
+
+
+@dataclass(frozen=True)
+class Task:
+    """What all draws of one motion have in common."""
+
+    engine: EngineName
+    servo: ServoName
+    feed_forward: bool | None
+    settings: Settings | None
+    ranges: Ranges
+    seed: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +103,8 @@ def monte_carlo(
     seed: int = 0,
     ranges: str = "wide",
     servo: ServoName = "ideal",
+    feed_forward: bool | None = None,
+    settings: Settings | None = None,
     workers: int = 1,
     progress: Progress | None = None,
 ) -> Robustness:
@@ -102,26 +116,27 @@ def monte_carlo(
         n: number of draws.
         seed: of the draws.
         ranges: name of a set in `mgs.sim.conditions.RANGES`.
-        servo: "ideal", or "model" with feed-forward.
+        servo: "ideal", "pd" or "model".
+        feed_forward: whether servos are told feed-forward commands; None: modelled ones are.
+        settings: None for the engine's defaults.
         workers: processes.
         progress: called with draws done and draws in all.
 
     Raises:
         SimulationError: the engine is missing. A draw whose simulation diverges has not survived.
     """
-    jobs = [(motion, engine, servo, RANGES[ranges], seed, number) for number in range(n)]
+    task = Task(engine, servo, feed_forward, settings, RANGES[ranges], seed)
     done: list[Draw] = []
     if workers == 1:
-        for job in jobs:
-            done.append(_one(job))
+        for number in range(n):
+            done.append(_one(motion, task, number))
             _tell(progress, len(done), n)
     else:
         context = multiprocessing.get_context("spawn")  # engines do not survive a fork
         with concurrent.futures.ProcessPoolExecutor(
-            workers, context, initializer=_adopt, initargs=(motion,)
+            workers, context, initializer=_adopt, initargs=(motion, task)
         ) as pool:
-            light = [job[1:] for job in jobs]  # the motion is sent once to each process
-            for draw in pool.map(_one_of_adopted, light):
+            for draw in pool.map(_one_of_adopted, range(n)):
                 done.append(draw)
                 _tell(progress, len(done), n)
     return Robustness(engine, servo, ranges, seed, tuple(done))
@@ -179,27 +194,32 @@ def offenders(draws: tuple[Draw, ...]) -> list[dict[str, object]]:
     return sorted(found, key=lambda f: -abs(float(str(f["probability"])) - 0.5))
 
 
-Job = tuple[Motion, EngineName, ServoName, Ranges, int, int]
-_adopted: list[Motion] = []  # of a worker process
+_adopted: list[tuple[Motion, Task]] = []  # of a worker process, which is sent them once
 
 
-def _adopt(motion: Motion) -> None:
-    _adopted[:] = [motion]
+def _adopt(motion: Motion, task: Task) -> None:
+    _adopted[:] = [(motion, task)]
 
 
-def _one_of_adopted(job: tuple[EngineName, ServoName, Ranges, int, int]) -> Draw:
-    return _one((_adopted[0], *job))
+def _one_of_adopted(number: int) -> Draw:
+    return _one(*_adopted[0], number)
 
 
-def _one(job: Job) -> Draw:
-    motion, engine, servo, ranges, seed, number = job
-    conditions = draw(motion, ranges, seed, number)
+def _one(motion: Motion, task: Task, number: int) -> Draw:
+    engine, servo = task.engine, task.servo
+    conditions = draw(motion, task.ranges, task.seed, number)
+    figures = conditions.figures(servo)
     try:
-        result = replay(motion, engine, servo=servo, conditions=conditions)
-    except DivergenceError:
-        return Draw(
-            number, engine, False, (f"{engine}_diverged",), None, 180.0, conditions.figures()
+        result = replay(
+            motion,
+            engine,
+            task.settings,
+            servo=servo,
+            feed_forward=task.feed_forward,
+            conditions=conditions,
         )
+    except DivergenceError:
+        return Draw(number, engine, False, (f"{engine}_diverged",), None, 180.0, figures)
     return Draw(
         number=number,
         engine=engine,
@@ -207,7 +227,7 @@ def _one(job: Job) -> Draw:
         failed=tuple(check.name for check in replay_checks(result) if not check.ok),
         fall_time=result.fall_time,
         max_tilt_deg=result.max_tilt_deg,
-        figures=conditions.figures(),
+        figures=figures,
     )
 
 

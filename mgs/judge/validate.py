@@ -15,7 +15,7 @@ from mgs.judge.verdict import Verdict, judge
 from mgs.motion import Motion
 from mgs.motion_file import read_motion
 from mgs.robot import servos_of
-from mgs.sim import ServoName, check_servo, choose_engines, replay
+from mgs.sim import check_servos, choose_engines, choose_servos, engine_settings, replay
 from mgs.sim.conditions import RANGES, draw
 
 
@@ -23,7 +23,9 @@ def validate(
     motion: Motion | str | Path,
     *,
     physics: str | Iterable[str] | None = None,
-    servo: ServoName = "ideal",
+    servo: str | Iterable[str] = "ideal",
+    sag_deg: float | None = None,
+    damping_time: float | None = None,
     feed_forward: bool | None = None,
     monte_carlo: int | None = None,
     ranges: str = "wide",
@@ -37,10 +39,14 @@ def validate(
     Args:
         motion: a motion or the path of a motion file.
         physics: names of engines; "none": static checks alone; None: every engine installed.
-        servo: "ideal", or "model" for the servos that robot.yaml describes.
-        feed_forward: whether commands compensate the droop of modelled servos; None: yes.
+        servo: kinds of servos, one replay each: "ideal", "model" for the servos that robot.yaml
+            describes, "pd" for PD servos; several in a list or with commas between them.
+        sag_deg: position error of PD servos at stall torque [deg]; None: 1.
+        damping_time: damping of PD servos divided by their stiffness [s]; None: 0.01.
+        feed_forward: whether commands compensate the position error of servos that are not ideal;
+            None: of modelled servos only.
         monte_carlo: number of further replays in each engine, with robot, servos and floor at
-            random a little different from the plan; None: none.
+            random a little different from the plan and the first kind of servos; None: none.
         ranges: how large these differences are, "wide" or "lab" (half as large).
         seed: seed of the random differences.
         workers: number of processes for these replays.
@@ -56,22 +62,33 @@ def validate(
         TypeError: `motion` or `physics` has a wrong type.
     """
     engines = choose_engines(physics)
-    check_servo(servo, feed_forward)
+    servos = choose_servos(servo)
+    check_servos(
+        servos, {"feed_forward": feed_forward, "sag_deg": sag_deg, "damping_time": damping_time}
+    )
+    settings = {name: engine_settings(name, sag_deg, damping_time) for name in engines}
     _check_draws(monte_carlo, ranges, seed, workers, sample)
     file = str(motion) if isinstance(motion, str | Path) else ""
     motion = read_motion(motion)
-    if servo == "model":
+    if "model" in servos:
         servos_of(motion.robot)  # before the checks take their time
     checks = check_motion(motion, progress_of_step(progress, "static checks"))
     conditions = None if sample is None else draw(motion, RANGES[ranges], seed, sample)
-    run = partial(replay, servo=servo, feed_forward=feed_forward, conditions=conditions)
-    replays = [run(motion, name, None, progress_of_step(progress, name)) for name in engines]
+    told = {kind: None if kind == "ideal" else feed_forward for kind in servos}
+    replays = []
+    for kind in servos:
+        run = partial(replay, servo=kind, feed_forward=told[kind], conditions=conditions)
+        for name in engines:
+            tell = progress_of_step(progress, f"{name}, {kind} servos")
+            replays.append(run(motion, name, settings[name], tell))
     found = []
     if monte_carlo is not None:
-        drawn = partial(replay_draws, n=monte_carlo, seed=seed, ranges=ranges, servo=servo)
+        first = servos[0]
+        drawn = partial(replay_draws, n=monte_carlo, seed=seed, ranges=ranges, workers=workers)
+        drawn = partial(drawn, servo=first, feed_forward=told[first])
         for name in engines:
             tell = progress_of_step(progress, f"{name}, {monte_carlo} random replays")
-            found.append(drawn(motion, name, workers=workers, progress=tell))
+            found.append(drawn(motion, name, settings=settings[name], progress=tell))
     checks += [survival_check(result) for result in found]
     return judge(file or motion.gait_name, checks, replays, summary(found))
 

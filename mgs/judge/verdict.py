@@ -2,7 +2,7 @@
 
 Tolerances of a replay: the robot stays up to the end and one second longer, ends within
 max(10 % of the distance, 20 mm) and 5 deg of its plan, and holds no servo at its limit for longer
-than 50 ms in a row: the stall torque of an ideal servo, the speed-torque line of a modelled one.
+than 50 ms in a row: the stall torque of an ideal servo, the speed-torque line of any other.
 A ball that is kicked has, 0.1 s after contact, at least half the sole's speed and 0.3 m/s, within
 10 deg of the direction asked. A motion without balance stands at its end, upright within 10 deg
 with a fifth of the weight on each sole, and nothing else is asked of it.
@@ -16,7 +16,7 @@ import numpy as np
 
 from mgs.judge.html import verdict_table
 from mgs.judge.motion_checks import Check
-from mgs.sim import Agreement, Replay, ServoName, Strike, agreement
+from mgs.sim import Agreement, EngineName, Replay, ServoName, Strike, agreement
 from mgs.sim.playback import FALL_TILT
 from mgs.sim.replay import STANDING_LOAD, STANDING_TILT_DEG
 
@@ -49,13 +49,19 @@ class Verdict:
 
     @property
     def servo(self) -> ServoName | None:
-        """Servos that all replays had; None without replays."""
+        """Servos of the first replays, after whose engines checks are named; None: no replays."""
         return self.replays[0].servo if self.replays else None
 
     @property
+    def engines(self) -> tuple[EngineName, ...]:
+        """Engines of the replays, each once."""
+        return tuple(dict.fromkeys(replay.engine for replay in self.replays))
+
+    @property
     def agreement(self) -> Agreement | None:
-        """How far the engines agree; None unless there are two replays."""
-        return agreement(*self.replays) if len(self.replays) == 2 else None
+        """How far two engines agree with the servos of the first replays; None: not two."""
+        first = [replay for replay in self.replays if replay.servo == self.servo]
+        return agreement(*first) if len(first) == 2 else None
 
     def __repr__(self) -> str:
         return f"<Verdict on {self.file}: {self._in_words}>"
@@ -66,7 +72,7 @@ class Verdict:
 
     @property
     def _in_words(self) -> str:
-        engines = ", ".join(replay.engine for replay in self.replays) or "no physics"
+        engines = ", ".join(self.engines) or "no physics"
         n, failed = len(self.checks), self.failed
         told = f"fail: {', '.join(failed)}; {len(failed)} of" if failed else "pass,"
         return f"{told} {n} checks, {engines}"
@@ -79,7 +85,7 @@ class Verdict:
             "verdict": "pass" if self.passed else "fail",
             "checks": [check.to_dict() for check in self.checks],
             "servo": self.servo,
-            "physics": [replay.engine for replay in self.replays],  # empty: static checks alone
+            "physics": list(self.engines),  # empty: static checks alone
             "replays": [replay.to_json() for replay in self.replays],
             "agreement": None if agreed is None else agreed.to_dict(),
             "monte_carlo": self.monte_carlo,
@@ -92,14 +98,26 @@ def judge(
     replays: list[Replay],
     monte_carlo: dict[str, object] | None = None,
 ) -> Verdict:
-    """Verdict on a motion from its static checks and its replays."""
-    physical = [check for replay in replays for check in replay_checks(replay)]
+    """Verdict on a motion from its static checks and its replays.
+
+    Checks are named after the engine, such as mujoco_upright; those of replays with other servos
+    than the first one's after engine and servos, such as mujoco_pd_upright.
+    """
+    first = replays[0].servo if replays else None
+    names = [r.engine if r.servo == first else f"{r.engine}_{r.servo}" for r in replays]
+    pairs = zip(replays, names, strict=True)
+    physical = [check for replay, name in pairs for check in replay_checks(replay, name)]
     return Verdict(file, (*checks, *physical), tuple(replays), monte_carlo)
 
 
-def replay_checks(replay: Replay) -> list[Check]:
-    """What a replay must show; a robot that fell is not measured further."""
-    name = replay.engine
+def replay_checks(replay: Replay, name: str | None = None) -> list[Check]:
+    """What a replay must show; a robot that fell is not measured further.
+
+    Args:
+        replay: the replay to judge.
+        name: first part of the names of the checks; None: the engine.
+    """
+    name = name or replay.engine
     if not replay.is_balanced:
         tilted, load = replay.end_tilt_deg, replay.end_load
         return [

@@ -27,7 +27,7 @@ import numpy as np
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.motion.motion import Motion
-from mgs.robot.servos import servos_of
+from mgs.robot.servos import Servos, servos_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,13 +38,21 @@ class Commands:
     clipped: Array  # (n,) by how much a joint limit cuts it at most [rad]; 0: not at all
 
 
-def servo_commands(motion: Motion, samples: slice = slice(None)) -> Commands:
+def servo_commands(
+    motion: Motion, samples: slice = slice(None), servos: Servos | None = None
+) -> Commands:
     """Feed-forward commands at some or all samples of a motion, inside the joint limits.
 
+    Args:
+        motion: the plan.
+        samples: the samples wanted.
+        servos: servos that the commands are for; None: those that robot.yaml describes.
+
     Raises:
-        ConfigError: a servo in use has no stiffness.
+        ConfigError: robot.yaml is asked and a servo in use has no stiffness.
     """
-    robot, servos = motion.robot, servos_of(motion.robot)
+    robot = motion.robot
+    servos = servos_of(robot) if servos is None else servos
     v = motion.v[samples, FLOATING_BASE_NV:]
     lead = (motion.torque[samples] + servos.friction(v) + servos.damping * v) / servos.stiffness
     wanted = motion.q[samples, FLOATING_BASE_NQ:] + lead

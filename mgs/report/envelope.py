@@ -23,6 +23,7 @@ from mgs.report.canvas import (
 from mgs.search.envelope import Envelope, Probe
 
 ROOM = 1.15  # of the axes beyond the longest step that passes
+SERVO_WORDS = {"ideal": "ideal", "model": "modelled", "pd": "PD"}
 N_SPEEDS = 5  # lines of equal speed, at least
 
 
@@ -34,7 +35,7 @@ def plot_envelope(envelope: Envelope) -> Figure:
     style_axes(
         axes,
         title=f"{robot}: steps that pass in {' and '.join(envelope.engines)}, "
-        f"{'modelled' if envelope.servo == 'model' else 'ideal'} servos",
+        f"{SERVO_WORDS[envelope.servo]} servos",
         xlabel="step time [s]",
         ylabel="step length [m]",
     )

@@ -7,7 +7,7 @@ from mgs.robot.legs import missing_turn
 from mgs.robot.limbs import arm_mask, leg_joints, leg_length, leg_mask, midpoint_width
 from mgs.robot.load import find_robot, list_robots, load_robot
 from mgs.robot.robot import Robot
-from mgs.robot.servos import Servos, is_modelled, servos_of
+from mgs.robot.servos import Servos, is_modelled, pd_servos, servos_of
 from mgs.robot.spec import FrameSpec, RobotSpec, ServoSpec, SoleSpec
 
 __all__ = [
@@ -30,6 +30,7 @@ __all__ = [
     "load_robot",
     "midpoint_width",
     "missing_turn",
+    "pd_servos",
     "servos_of",
     "shape_corners",
 ]

@@ -85,6 +85,32 @@ def servos_of(robot: Robot) -> Servos:
     )
 
 
+def pd_servos(robot: Robot, sag: Array | float, damping_time: float) -> Servos:
+    """Plain PD servos, of which only stall torque and no-load speed are known.
+
+    torque = stiffness ((q_command - q) - damping_time v), within the line from stall torque to
+    no-load speed; stiffness = stall torque / sag.
+
+    Args:
+        robot: whose stall torques and no-load speeds they have.
+        sag: error of the angle at stall torque, one for all joints or (n,) [rad].
+        damping_time: damping relative to the stiffness [s].
+    """
+    none, stiffness = np.zeros(robot.n), robot.torque_limit / sag
+    return Servos(
+        stall_torque=robot.torque_limit,
+        no_load_speed=robot.no_load_speed,
+        stiffness=stiffness,
+        damping=damping_time * stiffness,
+        latency=none,
+        resolution=none,
+        deadband=none,
+        punch=none,
+        coulomb_friction=none,
+        viscous_friction=none,
+    )
+
+
 def _without_stiffness(robot: Robot) -> list[str]:
     used = {robot.spec.joints[name] for name in robot.joint_names}
     return sorted(name for name in used if robot.spec.servos[name].spring is None)

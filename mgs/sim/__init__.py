@@ -2,7 +2,7 @@
 
 from mgs.core.progress import Progress
 from mgs.sim.agreement import Agreement, agreement
-from mgs.sim.choice import check_servo, choose_engines
+from mgs.sim.choice import check_servos, choose_engines, choose_servos, engine_settings
 from mgs.sim.engine import available_engines
 from mgs.sim.replay import Replay, Trace, replay
 from mgs.sim.settings import DEFAULTS, ENGINES, SERVOS, EngineName, ServoName, Settings
@@ -22,7 +22,9 @@ __all__ = [
     "Trace",
     "agreement",
     "available_engines",
-    "check_servo",
+    "check_servos",
     "choose_engines",
+    "choose_servos",
+    "engine_settings",
     "replay",
 ]

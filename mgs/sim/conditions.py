@@ -16,6 +16,7 @@ from mgs.core.arrays import Array
 from mgs.core.scene import Box
 from mgs.motion import Motion
 from mgs.robot import Robot
+from mgs.sim.settings import ServoName
 
 BUMP_SIZE = 0.02  # [m] edge of a bump, a flat square
 
@@ -33,6 +34,7 @@ class Ranges:
     joint_offset_deg: float  # standard deviation of each joint's zero
     latency: float  # [s] at most
     bump: float  # [m] height of one bump under each landing foot at most
+    sag: tuple[float, float]  # factors on the sag of PD servos, the plan's is 1
 
     def scaled(self, factor: float) -> Ranges:
         """Ranges with every deviation from the plan multiplied."""
@@ -47,6 +49,7 @@ class Ranges:
             joint_offset_deg=factor * self.joint_offset_deg,
             latency=factor * self.latency,
             bump=factor * self.bump,
+            sag=(self.sag[0] ** factor, self.sag[1] ** factor),
         )
 
 
@@ -60,6 +63,7 @@ WIDE = Ranges(
     joint_offset_deg=0.3,
     latency=0.010,
     bump=0.002,
+    sag=(0.25, 4.0),
 )
 RANGES: dict[str, Ranges] = {"wide": WIDE, "lab": WIDE.scaled(0.5)}
 
@@ -77,10 +81,11 @@ class Conditions:
     joint_offset: Array  # (n,) [rad]
     latency: float  # [s]
     bumps: Array  # (k, 3) x, y and height [m]
+    sag: float  # factor on the sag of PD servos
 
-    def figures(self) -> dict[str, float]:
-        """One number for each parameter, for telling which of them matters."""
-        return {
+    def figures(self, servo: ServoName = "ideal") -> dict[str, float]:
+        """One number for each parameter that a kind of servo depends on."""
+        figures = {
             "friction": self.friction,
             "slope_x_deg": float(np.degrees(self.slope[0])),
             "slope_y_deg": float(np.degrees(self.slope[1])),
@@ -94,6 +99,7 @@ class Conditions:
             "latency": self.latency,
             "bump": float(self.bumps[:, 2].max(initial=0.0)),
         }
+        return figures | ({"sag": self.sag} if servo == "pd" else {})
 
 
 def draw(motion: Motion, ranges: Ranges, seed: int, number: int) -> Conditions:
@@ -109,6 +115,7 @@ def draw(motion: Motion, ranges: Ranges, seed: int, number: int) -> Conditions:
         joint_offset=np.radians(rng.normal(0.0, ranges.joint_offset_deg, n)),
         latency=float(rng.uniform(0.0, ranges.latency)),
         bumps=_draw_bumps(motion, rng, ranges.bump),
+        sag=float(np.exp(rng.uniform(*np.log(ranges.sag)))),
     )
 
 

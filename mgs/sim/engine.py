@@ -14,16 +14,16 @@ from mgs.core.scene import EMPTY, Scene
 from mgs.robot import Robot
 from mgs.sim.audit import EngineModel, audit
 from mgs.sim.conditions import Conditions
-from mgs.sim.servo import JointState
+from mgs.sim.servo import Driven, JointState
 from mgs.sim.settings import ENGINES, EngineName, ServoName, Settings
 
 
 class Engine(Protocol):
     """One robot on level ground at z = 0, and what else is on it.
 
-    Its joints are driven either by the engine's own ideal position servos or, for servos modelled
-    outside, pushed by torques; which of the two is settled when the engine is made. q is
-    (7 + n,) as in `Robot`: base position, base quaternion xyzw, joint angles.
+    Its joints are driven either by the engine's own servos (`mgs.sim.settings.OWN_SERVOS`) or, for
+    servos evaluated outside, pushed by torques; which of the two is settled when the engine is
+    made. q is (7 + n,) as in `Robot`: base position, base quaternion xyzw, joint angles.
     """
 
     @property
@@ -33,12 +33,8 @@ class Engine(Protocol):
     def place(self, q: Array) -> None:
         """Put the robot at q, at rest."""
 
-    def drive(self, position: Array, velocity: Array) -> Array:
-        """Make k steps with ideal servos aiming at (k, n) joint states at the end of each step.
-
-        Returns:
-            Joint torques (k, n) of the servos during each step [N m].
-        """
+    def drive(self, position: Array, velocity: Array) -> Driven:
+        """Make k steps with the engine's servos aiming at (k, n) joint states after each step."""
 
     def joints(self) -> JointState:
         """Current state of the joints."""

@@ -14,14 +14,14 @@ from mgs.robot import Robot
 from mgs.sim.audit import EngineModel
 from mgs.sim.conditions import Conditions, bumps, gravity_on_slope
 from mgs.sim.model import link_name, simulation_urdf
-from mgs.sim.servo import JointState
+from mgs.sim.mujoco_servos import add_servos, pd_torques, set_damping
+from mgs.sim.servo import Driven, JointState
 from mgs.sim.settings import ServoName, Settings
 
 XYZW_FROM_WXYZ = [1, 2, 3, 0]
 WXYZ_FROM_XYZW = [3, 0, 1, 2]
 IMPRATIO = 10.0  # friction this much stiffer than the normal contact: soles do not creep
 CONTACT_TIME = 0.005  # [s] of MuJoCo's contact spring; 0.02 by default lets the robot tilt
-ROTOR_ACCELERATION = 1500.0  # [rad/s^2] at stall, of servos whose armature is not known
 
 
 class MujocoEngine:
@@ -41,6 +41,7 @@ class MujocoEngine:
         self._mj: Any = mujoco
         self._robot, self._settings, self._servo = robot, settings, servo
         self._conditions, self._scene = conditions, scene
+        self._gain = np.ones(robot.n) if conditions is None else conditions.gain
         self._former_handler = mujoco.get_mju_user_warning()
         # MuJoCo would write MUJOCO_LOG.TXT where the user stands; `read` looks at its counters
         mujoco.set_mju_user_warning(lambda _: None)
@@ -71,16 +72,18 @@ class MujocoEngine:
         data.qpos[self._angles] = q[FLOATING_BASE_NQ:]
         mj.mj_forward(self._model, data)
 
-    def drive(self, position: Array, velocity: Array) -> Array:
-        """Make k steps towards (k, n) joint states; returns torques (k, n) [N m]."""
+    def drive(self, position: Array, velocity: Array) -> Driven:
+        """Make k steps of the engine's servos towards (k, n) joint states."""
         step, model, data = self._mj.mj_step, self._model, self._data
-        ctrl, force = data.ctrl, data.actuator_force
-        torques = np.empty_like(position)
-        for target, torque in zip(self._controls(position, velocity), torques, strict=True):
+        ctrl, force = data.ctrl[: self._robot.n], data.actuator_force
+        forces = np.empty((len(position), model.nu))
+        for target, row in zip(self._controls(position, velocity), forces, strict=True):
             ctrl[:] = target
             step(model, data)
-            torque[:] = force
-        return torques
+            row[:] = force
+        if self._servo == "pd":
+            return pd_torques(forces, self._robot.torque_limit)
+        return Driven(forces, None)
 
     def joints(self) -> JointState:
         """Current state of the joints."""
@@ -109,6 +112,8 @@ class MujocoEngine:
             data.xfrc_applied[body] += [*weight, *np.cross(lever, weight)]
 
     def _controls(self, position: Array, velocity: Array) -> Array:
+        if self._servo == "pd":
+            return position
         # a position servo has no speed target: it enters as a shift of the position target,
         # together with the way back to the beginning of the step, where MuJoCo evaluates servos
         return position + (self._settings.damping - self._settings.dt) * velocity
@@ -219,25 +224,8 @@ class MujocoEngine:
                 friction=[BALL_FRICTION, 0.0, 0.0],
                 solref=[max(CONTACT_TIME, 2.0 * settings.dt), 1.0],
             )
-        for i in range(self._robot.n):
-            self._add_servo(spec, i)
-        return spec.compile()
-
-    def _add_servo(self, spec: Any, i: int) -> None:
-        robot, settings = self._robot, self._settings
-        joint = spec.joint(robot.joint_names[i])
-        stall = float(robot.torque_limit[i])
-        # MuJoCo's contacts give way in proportion to 1 / inertia: feet without rotor inertia creep
-        joint.armature = float(robot.armature[i]) or stall / ROTOR_ACCELERATION
-        kp = stall * settings.stiffness if self._servo == "ideal" else 0.0  # 0: pushed from outside
-        kp *= 1.0 if self._conditions is None else float(self._conditions.gain[i])
-        actuator = spec.add_actuator(
-            name=joint.name,
-            target=joint.name,
-            trntype=self._mj.mjtTrn.mjTRN_JOINT,
-            forcelimited=True,
-            forcerange=[-stall, stall],
-        )
-        actuator.gainprm[0] = kp
-        actuator.biastype = self._mj.mjtBias.mjBIAS_AFFINE
-        actuator.biasprm[:3] = [0.0, -kp, -kp * settings.damping]
+        add_servos(spec, self._robot, settings, self._servo, self._gain)
+        model = spec.compile()
+        if self._servo == "pd":
+            set_damping(model, self._robot, settings, self._gain)
+        return model

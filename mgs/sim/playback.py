@@ -27,7 +27,7 @@ from mgs.sim.conditions import Conditions
 from mgs.sim.effort import Effort
 from mgs.sim.engine import Engine
 from mgs.sim.measure import angle_between
-from mgs.sim.servo import ServoModel
+from mgs.sim.servo import Driven, ServoModel
 from mgs.sim.settings import Settings
 
 FALL_TILT = float(np.radians(45.0))  # of the torso's vertical against the plan's
@@ -60,10 +60,10 @@ def play(
 
     Args:
         motion: the plan.
-        engine: made for ideal servos, or for modelled ones if there are any.
+        engine: made for its own servos, or for servos evaluated outside if there are any.
         settings: how to simulate.
         progress: called with samples done and samples in all.
-        servos: modelled servos; None for the engine's ideal ones.
+        servos: servos that are evaluated outside the engine; None for the engine's own.
         commands: what servos are told; None for the planned joint angles.
         conditions: late and offset commands; None for neither.
 
@@ -117,13 +117,13 @@ def play(
     )
 
 
-Drive = Callable[[Array, Array], tuple[Array, NDArray[np.bool_] | None]]
+Drive = Callable[[Array, Array], Driven]
 
 
 def _driver(engine: Engine, settings: Settings, servos: Servos | None) -> Drive:
-    """What makes steps towards (k, n) positions and velocities: torques (k, n), where limited."""
+    """The function that makes physics steps towards positions and velocities (k, n)."""
     if servos is None:
-        return lambda position, velocity: (engine.drive(position, velocity), None)
+        return engine.drive
     model = ServoModel(servos, settings.dt)
     return lambda position, velocity: model.drive(engine, position)
 
@@ -133,7 +133,7 @@ def _disturbed(drive: Drive, conditions: Conditions, dt: float) -> Drive:
     late = round(conditions.latency / dt)
     told: list[Array] = []  # positions and velocities (late, 2, n) that are under way
 
-    def disturbed(position: Array, velocity: Array) -> tuple[Array, NDArray[np.bool_] | None]:
+    def disturbed(position: Array, velocity: Array) -> Driven:
         rows = np.stack([position + conditions.joint_offset, velocity], axis=1)
         before = told.pop() if told else np.repeat(rows[:1], late, axis=0)
         rows = np.concatenate([before, rows])

@@ -21,7 +21,7 @@ from mgs.robot import Robot
 from mgs.sim.audit import EngineModel
 from mgs.sim.conditions import Conditions, bumps, gravity_on_slope
 from mgs.sim.model import simulation_urdf
-from mgs.sim.servo import JointState
+from mgs.sim.servo import Driven, JointState
 from mgs.sim.settings import ServoName, Settings
 
 BASE = -1  # PyBullet's index of the base link
@@ -83,8 +83,8 @@ class PybulletEngine:
         for joint, angle in zip(self._joints, q[FLOATING_BASE_NQ:].tolist(), strict=True):
             p.resetJointState(self._body, joint, angle, 0.0, physicsClientId=client)
 
-    def drive(self, position: Array, velocity: Array) -> Array:
-        """Make k steps towards (k, n) joint states; returns torques (k, n) [N m]."""
+    def drive(self, position: Array, velocity: Array) -> Driven:
+        """Make k steps of ideal servos towards (k, n) joint states."""
         p, body, joints, client = self._p, self._body, self._joints, self._client
         torques = np.empty_like(position)
         for target, speed, torque in zip(position, velocity, torques, strict=True):
@@ -92,7 +92,7 @@ class PybulletEngine:
             self._step()
             torque[:] = [state[3] for state in p.getJointStates(body, joints, client)]
             self._torque = torque
-        return torques
+        return Driven(torques, None)
 
     def joints(self) -> JointState:
         """Current state of the joints."""

@@ -7,7 +7,7 @@ about the vertical is no tilt. A robot has fallen where that angle exceeds 45 de
 below 60 % of its planned height; in a motion without balance it has fallen unless it stands at the
 end of the tail, the torso within 10 deg of upright and a fifth of the weight on each sole. Slip is
 the horizontal displacement of a sole within one of its support phases in the plan. The limit of an
-ideal servo is its stall torque, that of a modelled one the line from stall torque to no-load speed.
+ideal servo is its stall torque, that of any other the line from stall torque to no-load speed.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ from mgs.core.short_repr import short_repr
 from mgs.motion import Motion
 from mgs.motion.servo_commands import Commands, servo_commands
 from mgs.motion_file import read_motion
-from mgs.robot import servos_of
 from mgs.sim.choice import choose_engines
 from mgs.sim.conditions import Conditions, disturbed
 from mgs.sim.engine import make_engine, require
 from mgs.sim.measure import angle_between, largest_slip, travel
 from mgs.sim.playback import Recording, fallen, play, poses_along
-from mgs.sim.settings import DEFAULTS, SERVOS, EngineName, ServoName, Settings
+from mgs.sim.servo import servo_figures
+from mgs.sim.settings import DEFAULTS, OWN_SERVOS, SERVOS, EngineName, ServoName, Settings
 from mgs.sim.strike import Strike, measure_strike
 
 STANDING_TIME = 0.3  # [s] at the end of a motion without balance
@@ -72,6 +72,7 @@ class Replay:
     settings: Settings  # as used: dt divides the sampling period
     servo: ServoName
     feed_forward: bool  # whether servos were told more than the planned joint angles
+    assumed_stiffness: float  # of the feed-forward, relative to that of the servos
     command_clipped_deg: float  # by how much a joint limit cuts a command at most
     command_clipped_joint: str | None
     is_balanced: bool  # whether the motion claims to stand all the way
@@ -123,6 +124,7 @@ def replay(
     *,
     servo: ServoName = "ideal",
     feed_forward: bool | None = None,
+    assumed_stiffness: float = 1.0,
     conditions: Conditions | None = None,
 ) -> Replay:
     """Execute a motion open loop in a physics engine.
@@ -132,9 +134,12 @@ def replay(
         engine: "pybullet" or "mujoco"; None: the first of them that is installed.
         settings: None for the engine's defaults.
         progress: called with samples done and samples in all.
-        servo: "ideal", or "model" for those that robot.yaml describes.
+        servo: "ideal", "pd" for the PD servos of the settings, or "model" for the servos that
+            robot.yaml describes.
         feed_forward: whether servos are told the commands of `mgs.motion.servo_commands`
             rather than the planned joint angles; None: modelled ones are.
+        assumed_stiffness: stiffness that the feed-forward commands are computed for, relative to
+            that of the servos.
         conditions: how robot, servos and floor differ from the plan's; None: not at all.
 
     Raises:
@@ -150,15 +155,18 @@ def replay(
     if servo not in SERVOS:
         raise SimulationError(f"no servo {servo!r}; there are: {', '.join(SERVOS)}")
     settings = _divide(settings or DEFAULTS[engine], motion.dt)
+    feed_forward = servo == "model" if feed_forward is None else feed_forward
+    commands = None
+    if feed_forward:
+        assumed = servo_figures(motion.robot, servo, settings, assumed_stiffness)
+        commands = servo_commands(motion, servos=assumed)
     robot = motion.robot
     if conditions is not None:
-        robot = disturbed(robot, conditions)
-        settings = dataclasses.replace(settings, friction=conditions.friction)
-    servos = servos_of(robot) if servo == "model" else None
-    if servos is not None and conditions is not None:
-        servos = dataclasses.replace(servos, stiffness=conditions.gain * servos.stiffness)
-    feed_forward = servo == "model" if feed_forward is None else feed_forward
-    commands = servo_commands(motion) if feed_forward else None
+        robot, settings = disturbed(robot, conditions), _disturbed_settings(settings, conditions)
+    servos = None
+    if servo not in OWN_SERVOS[engine]:
+        gain = 1.0 if conditions is None else conditions.gain
+        servos = servo_figures(robot, servo, settings, gain)
     simulator = make_engine(engine, robot, settings, servo, conditions, motion.scene)
     try:
         version = simulator.version
@@ -173,6 +181,7 @@ def replay(
         settings=settings,
         servo=servo,
         feed_forward=feed_forward,
+        assumed_stiffness=assumed_stiffness,
         wall_seconds=wall_seconds,
         **_clip_figures(motion, commands),
         **figures,
@@ -186,6 +195,11 @@ def _clip_figures(motion: Motion, commands: Commands | None) -> dict[str, Any]:
         "command_clipped_deg": float(np.degrees(clipped[worst])),
         "command_clipped_joint": motion.robot.joint_names[worst] if clipped[worst] else None,
     }
+
+
+def _disturbed_settings(settings: Settings, conditions: Conditions) -> Settings:
+    sag = conditions.sag * settings.sag
+    return dataclasses.replace(settings, friction=conditions.friction, sag=sag)
 
 
 def _divide(settings: Settings, period: float) -> Settings:

@@ -7,19 +7,28 @@ not past it. An engine that lets the torque stop there has the damping right how
 
 from __future__ import annotations
 
+import dataclasses
 from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mgs.core.arrays import Array
-from mgs.robot import Servos
+from mgs.robot import Robot, Servos, pd_servos, servos_of
+from mgs.sim.settings import ServoName, Settings
 
 Bools = NDArray[np.bool_]
 
 NO_TICK = 1e-12  # [rad] resolution of a servo that has none
 LEAST_DAMPING = 1e-9  # [N m s/rad]; where it is 0 the speed-torque line ends a motion
 AT_LIMIT = 1e-3  # of the stall torque: so near the speed-torque line a servo is at its limit
+
+
+class Driven(NamedTuple):
+    """What servos did in k physics steps."""
+
+    torque: Array  # (k, n) [N m]
+    limited: Bools | None  # (k, n) whether a servo is at its limit; None: where at stall torque
 
 
 class JointState(NamedTuple):
@@ -40,6 +49,26 @@ class Pushed(Protocol):
         """Make one step with torques (n,) [N m] that would be zero at free_speed (n,) [rad/s]."""
 
 
+def servo_figures(
+    robot: Robot, servo: ServoName, settings: Settings, gain: Array | float = 1.0
+) -> Servos:
+    """Figures of the servos of a robot that are not ideal.
+
+    Args:
+        robot: whose stall torques and no-load speeds they have.
+        servo: "pd", or anything else for those that robot.yaml describes.
+        settings: sag and damping time of PD servos.
+        gain: factor on the stiffness, one for all joints or (n,).
+
+    Raises:
+        ConfigError: robot.yaml is asked and a servo in use has no stiffness.
+    """
+    if servo == "pd":
+        return pd_servos(robot, settings.sag / gain, settings.damping_time)
+    servos = servos_of(robot)
+    return dataclasses.replace(servos, stiffness=gain * servos.stiffness)
+
+
 class ServoModel:
     """The servos of one robot in one replay."""
 
@@ -56,15 +85,15 @@ class ServoModel:
         by_line = (s.stall_torque - s.coulomb_friction) / (self._line + s.viscous_friction)
         self._fastest = np.maximum(by_line, 0.0)
 
-    def drive(self, engine: Pushed, commands: Array) -> tuple[Array, Bools]:
-        """Make k steps under commands (k, n); returns torques (k, n) [N m] and which are limits."""
+    def drive(self, engine: Pushed, commands: Array) -> Driven:
+        """Make k steps under commands (k, n) [rad]."""
         torques, limited = np.empty_like(commands), np.empty(commands.shape, dtype=np.bool_)
         state = engine.joints()
         for k, command in enumerate(self._in_ticks(self._delayed(commands))):
             torque, free_speed, limited[k] = self._torque(command, state.position, state.velocity)
             state = engine.push(torque, free_speed)
             torques[k] = state.torque
-        return torques, limited
+        return Driven(torques, limited)
 
     def _delayed(self, commands: Array) -> Array:
         """What reaches the servos (k, n); before anything was told, they were told the first."""

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
 EngineName = Literal["pybullet", "mujoco"]
 ENGINES: tuple[EngineName, ...] = ("pybullet", "mujoco")
-ServoName = Literal["ideal", "model"]
-SERVOS: tuple[ServoName, ...] = ("ideal", "model")
+ServoName = Literal["ideal", "model", "pd"]
+SERVOS: tuple[ServoName, ...] = ("ideal", "model", "pd")
+# Servos that an engine simulates by itself; all others are evaluated outside, once a step.
+OWN_SERVOS: dict[EngineName, tuple[ServoName, ...]] = {
+    "pybullet": ("ideal",),
+    "mujoco": ("ideal", "pd"),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,6 +23,9 @@ class Settings:
 
     The ideal servo is a spring and a damper, clipped at its stall torque:
     torque = stall_torque * stiffness * ((q_plan - q) + damping * (v_plan - v)).
+
+    The PD servo has no speed target and is limited by the line from stall torque to no-load speed:
+    torque = stall_torque / sag * ((q_plan - q) - damping_time * v).
     """
 
     dt: float  # longest step [s]; a replay uses the next one that divides the sampling period
@@ -26,6 +35,8 @@ class Settings:
     friction: float = 1.0  # effective Coulomb coefficient of the pair sole and ground
     settle: float = 0.5  # first posture held before the motion [s]
     tail: float = 1.0  # last posture held after the motion [s]
+    sag: float = math.radians(1.0)  # error of a PD servo at stall torque [rad]
+    damping_time: float = 0.01  # damping of a PD servo, relative to its stiffness [s]
 
 
 DEFAULTS: dict[EngineName, Settings] = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -192,6 +193,13 @@ def test_bad_settings_of_a_replay_are_usage_errors(walk_file: Path, options: tup
         (("--servo", "model"), "model", True, "modelled servos, feed-forward:"),
         (("--servo", "model", "--feed-forward"), "model", True, "modelled servos, feed-forward:"),
         (("--servo", "model", "--no-feed-forward"), "model", False, "modelled servos:"),
+        (("--servo", "pd"), "pd", False, "PD servos (sag 1 deg, damping time 10 ms):"),
+        (
+            ("--servo", "pd", "--sag", "0.5", "--damping-time", "0.02", "--feed-forward"),
+            "pd",
+            True,
+            "PD servos (sag 0.5 deg, damping time 20 ms), feed-forward:",
+        ),
     ],
 )
 def test_a_replay_uses_and_names_the_servos_of_its_options(
@@ -223,6 +231,52 @@ def test_feed_forward_is_refused_for_ideal_servos(
     assert (result.exit_code, result.stdout) == (2, "")
     assert "--feed-forward" in result.stderr
     assert "--servo model" in result.stderr
+
+
+@needs_mujoco
+def test_a_verdict_may_be_of_several_kinds_of_servos(walk_file: Path):
+    options = ("--physics", "mujoco", "--servo", "ideal,pd", "--sag", "30")
+    result = run("validate", walk_file, *options, "--json")
+    verdict = json.loads(result.stdout)
+    checked(verdict)
+    assert (result.exit_code, verdict["servo"], verdict["physics"]) == (1, "ideal", ["mujoco"])
+    assert [replay["servo"] for replay in verdict["replays"]] == ["ideal", "pd"]
+    assert verdict["replays"][1]["settings"]["sag"] == pytest.approx(math.radians(30.0))
+    names = [check["name"] for check in verdict["checks"]]
+    assert len(names) == len(set(names))
+    assert {"mujoco_upright", "mujoco_position", "mujoco_pd_upright"} <= set(names)
+    failed = {check["name"] for check in verdict["checks"] if not check["ok"]}
+    assert failed == {"mujoco_pd_upright"}  # 30 deg are far too many
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--sag", "1"),
+        ("--damping-time", "0.01"),
+        ("--sag", "1", "--servo", "model"),
+        *(("--servo", "pd", "--sag", value) for value in ("nan", "0", "-1", "91", "soft")),
+        *(("--servo", "pd", "--damping-time", value) for value in ("nan", "-1", "2", "long")),
+    ],
+    ids=" ".join,
+)
+@pytest.mark.parametrize("command", ["validate", "replay"])
+def test_sag_and_damping_are_those_of_pd_servos(
+    walk_file: Path, command: str, options: tuple[str, ...]
+):
+    result = run(command, walk_file, *options)
+    assert (result.exit_code, result.stdout) == (2, "")
+    name = next(option for option in ("--sag", "--damping-time") if option in options)
+    assert name in result.stderr
+    if "pd" not in options:
+        assert "--servo pd" in result.stderr
+
+
+@pytest.mark.parametrize("servo", ["", "perfect", "ideal,perfect", "pd,pd", "Ideal", "ideal,"])
+def test_unknown_servos_are_a_usage_error(walk_file: Path, servo: str):
+    result = run("validate", walk_file, "--servo", servo)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "ideal, model, pd" in result.stderr
 
 
 @pytest.mark.parametrize("command", ["validate", "replay"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 
 import numpy as np
@@ -19,9 +20,12 @@ from mgs.judge.monte_carlo import (
     survival_check,
     wilson,
 )
+from mgs.judge.verdict import replay_checks
 from mgs.robot import Robot
+from mgs.sim import DEFAULTS, replay
 from mgs.sim.conditions import RANGES, draw
 from tests.support.motions import standing
+from tests.support.replays import side_to_side
 
 pytest.importorskip("mujoco")
 
@@ -75,6 +79,28 @@ def test_any_number_of_workers_gives_the_same_draws(melson: Robot):
         draw(motion, RANGES["wide"], 5, k).figures() for k in range(3)
     ]
     assert runs[0].survived == 3
+
+
+def test_a_draw_is_the_single_replay_under_its_conditions(melson: Robot):
+    """With PD servos, whose sag is part of the draw."""
+    motion = side_to_side(melson, 0.05, 1.0)
+    settings = dataclasses.replace(DEFAULTS["mujoco"], sag=0.05)
+    found = monte_carlo(motion, "mujoco", n=3, seed=1, servo="pd", settings=settings, workers=2)
+    assert found.to_dict()["servo"] == "pd"
+    for drawn in found.draws:
+        conditions = draw(motion, RANGES["wide"], 1, drawn.number)
+        alone = replay(motion, "mujoco", settings, servo="pd", conditions=conditions)
+        assert drawn.figures == conditions.figures("pd")
+        assert alone.settings.sag == 0.05 * drawn.figures["sag"]
+        assert drawn.max_tilt_deg == alone.max_tilt_deg
+        assert drawn.fall_time == alone.fall_time
+        assert drawn.failed == tuple(c.name for c in replay_checks(alone) if not c.ok)
+
+
+def test_the_sag_says_something_of_pd_servos_alone(melson: Robot):
+    conditions = draw(standing(melson, 0.1), RANGES["lab"], 0, 0)
+    assert 0.5 <= conditions.figures("pd")["sag"] <= 2.0
+    assert "sag" not in conditions.figures("ideal") | conditions.figures("model")
 
 
 def test_progress_counts_the_draws(melson: Robot):

@@ -38,6 +38,7 @@ def test_draws_stay_in_their_ranges_and_reach_far_into_them(walk_5cm: Stages):
         "supply": ([d.supply for d in draws], 0.8, 1.0),
         "latency": ([d.latency for d in draws], 0.0, 0.010),
         "bump": ([d.bumps[:, 2] for d in draws], 0.0, 0.002),
+        "logarithm of the sag": (np.log2([d.sag for d in draws]), -2.0, 2.0),
     }
     for name, (values, low, high) in limits.items():
         values = np.asarray(values)
@@ -50,8 +51,9 @@ def test_draws_stay_in_their_ranges_and_reach_far_into_them(walk_5cm: Stages):
 def test_lab_is_half_of_wide():
     wide, lab = RANGES["wide"], RANGES["lab"]
     assert lab.friction == (0.75, 1.0)
+    assert (wide.sag, lab.sag) == ((0.25, 4.0), (0.5, 2.0))  # half of it as a logarithm
     for field in dataclasses.fields(wide):
-        if field.name != "friction":
+        if field.name not in ("friction", "sag"):
             assert getattr(lab, field.name) == pytest.approx(0.5 * getattr(wide, field.name))
 
 

@@ -17,7 +17,7 @@ from mgs.robot import build_robot, servos_of
 from mgs.robot.servos import SLIP_SPEED
 from mgs.sim import DEFAULTS, ENGINES, replay
 from mgs.sim.engine import make_engine
-from mgs.sim.mujoco import ROTOR_ACCELERATION
+from mgs.sim.mujoco_servos import ROTOR_ACCELERATION
 from mgs.sim.servo import ServoModel
 from tests.support.motions import DT, standing
 from tests.support.pendulum import LEVER, MASS, inertia_of, pendulum, step_response

@@ -32,4 +32,5 @@ def nominal(robot: Robot) -> Conditions:
         joint_offset=np.zeros(n),
         latency=0.0,
         bumps=np.zeros((0, 3)),
+        sag=1.0,
     )

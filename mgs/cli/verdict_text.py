@@ -1,0 +1,77 @@
+"""Verdicts and replays in words."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mgs.judge.motion_checks import Check
+    from mgs.sim import Agreement, Replay
+
+
+def line(check: Check) -> str:
+    """One check with its value and its limit."""
+    mark = "ok  " if check.ok else "FAIL"
+    time = "" if check.time is None else f"  at {check.time:.2f} s"
+    where = f"  {check.where}" if check.where else ""
+    figure = f"{check.value:.4g} {check.unit} (limit {check.limit:.4g})"
+    return f"{mark} {check.name:22s} {figure}{time}{where}"
+
+
+def survival(figures: dict[str, Any]) -> str:
+    """Number of random replays in which the robot stays up."""
+    low, high = figures["wilson_95"]
+    text = (
+        f"{figures['engine']}, {figures['servo']} servos, ranges {figures['ranges']}, "
+        f"seed {figures['seed']}: the robot stays up in {figures['survived']} of {figures['n']} "
+        f"replays, 95 % confidence interval {low:.3f} to {high:.3f}"
+    )
+    worst = figures["offenders"]
+    if worst:
+        told = (f"{o['parameter']} ({o['probability']:.2f})" for o in worst[:3])
+        text += f"; falls correlate with {', '.join(told)}"
+    return text
+
+
+def agreement(found: Agreement) -> str:
+    """Differences between two engines."""
+    apart = (
+        f"sole loads {100.0 * found.load:.0f} % of the weight (RMS), ZMP "
+        f"{1e3 * found.zmp:.1f} mm (RMS), tilt {found.tilt_deg:.1f} deg, "
+        f"final pose {1e3 * found.end_position:.1f} mm and {found.end_yaw_deg:.1f} deg"
+    )
+    fate = "" if found.same_fate else "; they DISAGREE on whether the robot falls"
+    return f"differences between {' and '.join(found.engines)}: {apart}{fate}"
+
+
+def servo_words(replay: Replay) -> str:
+    """Servos of a replay and the kind of their commands."""
+    sag, time = math.degrees(replay.settings.sag), replay.settings.damping_time
+    servos = {
+        "ideal": "ideal servos",
+        "model": "modelled servos",
+        "pd": f"PD servos (sag {sag:.3g} deg, damping time {1e3 * time:.3g} ms)",
+    }[replay.servo]
+    return f"{servos}, feed-forward" if replay.feed_forward else servos
+
+
+def sentence(replay: Replay) -> str:
+    """Figures of one replay."""
+    x, y = replay.distance
+    planned_x, planned_y = replay.planned_distance
+    fate = f"FELL at {replay.fall_time:.2f} s" if replay.fell else "stays up"
+    servos = servo_words(replay)
+    if replay.command_clipped_joint is not None:
+        servos += (
+            f" (commands clipped by up to {replay.command_clipped_deg:.1f} deg at the limit of "
+            f"{replay.command_clipped_joint})"
+        )
+    return (
+        f"{replay.engine} {replay.version}, {servos}: {fate}; displacement ({x:+.3f}, {y:+.3f}) m, "
+        f"planned ({planned_x:+.3f}, {planned_y:+.3f}) m, yaw error "
+        f"{replay.yaw_error_deg:+.2f} deg, largest tilt {replay.max_tilt_deg:.1f} deg, "
+        f"sole slip {1e3 * replay.sole_slip_max:.1f} mm, "
+        f"joint error {replay.joint_error_rms_deg:.2f} deg RMS, longest torque saturation "
+        f"{1e3 * replay.torque_saturation:.0f} ms; computing time {replay.wall_seconds:.1f} s"
+    )
