@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mgs.core.config import build, is_file, parse_yaml, read_text
+from mgs.core.config import is_file, read_text
 from mgs.core.errors import ConfigError
 from mgs.core.shipped import shipped_folder
 from mgs.core.wrong_type import wrong_type
 from mgs.robot.build import build_robot
 from mgs.robot.robot import Robot
-from mgs.robot.spec import RobotSpec
+from mgs.robot.spec import parse_spec
 
 
 def load_robot(robot: Robot | str | Path) -> Robot:
@@ -27,8 +27,8 @@ def load_robot(robot: Robot | str | Path) -> Robot:
     folder = find_robot(robot)
     path = folder / "robot.yaml"
     text = read_text(path)
-    spec = build(RobotSpec, parse_yaml(text, path), path)
-    return build_robot(text, read_text(folder / spec.urdf), path)
+    spec = parse_spec(text, path)
+    return build_robot(text, read_text(folder / spec.urdf), path, spec)
 
 
 def find_robot(name_or_dir: str | Path) -> Path:

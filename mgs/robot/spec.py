@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from mgs.core.config import FormatVersion, Model
+from mgs.core.config import FormatVersion, Model, build, parse_yaml
 
 MAX_LENGTH, MAX_MASS, MAX_ANGLE = 10.0, 1e4, 100.0  # [m], [kg], [rad]; larger: probably wrong unit
 
@@ -163,3 +164,8 @@ class RobotSpec(Model):
         description="Pairs of links that are excluded from collision checks; adjacent links are "
         "always excluded.",
     )
+
+
+def parse_spec(yaml_text: str, source: str | Path) -> RobotSpec:
+    """Content of the text of a robot.yaml; raises ConfigError with `source` where malformed."""
+    return build(RobotSpec, parse_yaml(yaml_text, source), source)
