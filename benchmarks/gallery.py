@@ -1,7 +1,7 @@
-"""Every shipped gait before the judge, with a picture: docs/gallery.md and docs/gallery/.
+"""Generate and judge every shipped gait; write docs/gallery.md and the pictures in docs/gallery/.
 
-python benchmarks/gallery.py                 all gaits: `make gallery`
-python benchmarks/gallery.py melson/kick     some of them, on the terminal and as pictures
+python benchmarks/gallery.py                 all gaits; same as `make gallery`
+python benchmarks/gallery.py melson/kick     the given gaits: table rows on stdout, and pictures
 """
 
 from __future__ import annotations
@@ -25,33 +25,38 @@ from mgs.sim import SERVOS, available_engines, replay
 DOCS = Path(__file__).parent.parent / "docs"
 HEAD = """# Gallery
 
-Every gait that ships, made and judged by `make gallery`: static checks, then an open-loop replay in
-each engine with ideal and with modelled servos. Speed and torque are the greatest of any joint, as
-parts of what its servo gives at that instant; the ZMP's margin is the least of the whole motion (on
-level ground, where it has one). A failed check is named.
+This page shows all shipped gaits, as generated and judged by `make gallery`: by static checks, and by
+an open-loop replay in each physics engine with ideal and with modelled servos.
+
+Abbreviations: CoM is the centre of mass, ZMP the zero-moment point.
+
+- Displacement: change of the midpoint of the soles from start to end.
+- ZMP margin: least distance of the ZMP from the edge of the support polygon, over the whole motion on level ground.
+- Speed, torque: largest ratio of joint speed or torque to the limit of the servo at that instant.
+- Static checks and engines: `pass`, or the names of the failed checks.
 
 """
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One gait: its row of the table."""
+    """Row and picture of one gait."""
 
     name: str
-    note: str  # the comment that its file begins with
+    note: str  # comment at the top of the gait file
     row: str
     picture: str
 
 
 def main() -> None:
-    """Make the page, or print some rows."""
+    """Write the page, or print the rows of some gaits."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("gaits", nargs="*", help="names; default: all that ship")
+    parser.add_argument("gaits", nargs="*", help="names of gaits; default: all shipped gaits")
     names = parser.parse_args().gaits
     print(header(), flush=True)
     entries = []
     for name in names or list_gaits():
-        if load_gait(name).robot is None:  # for any robot: nothing to show by itself
+        if load_gait(name).robot is None:  # a generic gait names no robot
             continue
         entries.append(entry(name))
         print(entries[-1].row, flush=True)
@@ -60,16 +65,17 @@ def main() -> None:
 
 
 def header() -> str:
-    """Head of the table."""
+    """Header of the table."""
     engines = " | ".join(f"{engine}, ideal / modelled" for engine in available_engines())
     columns = (
-        f"gait | robot | duration | way | least ZMP margin | speed | torque | static | {engines}"
+        "gait | robot | duration | displacement | ZMP margin | speed | torque | static checks | "
+        f"{engines}"
     )
     return f"| {columns} |\n| --- " + "| --- " * columns.count("|") + "|"
 
 
 def page(entries: list[Entry]) -> str:
-    """The page as Markdown."""
+    """Page as Markdown."""
     rows = "\n".join(entry.row for entry in entries)
     pictures = "\n\n".join(
         f"## {entry.name}\n\n{entry.note}\n\n![{entry.name}](gallery/{entry.picture})"
@@ -79,7 +85,7 @@ def page(entries: list[Entry]) -> str:
 
 
 def entry(name: str) -> Entry:
-    """Make, judge and draw one gait."""
+    """Generate, judge and draw one gait."""
     gait = load_gait(name)
     assert gait.robot is not None
     motion = generate(load_robot(gait.robot), gait, name).motion
@@ -112,7 +118,7 @@ def entry(name: str) -> Entry:
 
 
 def way(motion: Motion) -> str:
-    """How far the middle between the soles gets, and how far it turns."""
+    """Displacement and rotation of the midpoint of the soles from start to end."""
     if not motion.gait.is_balanced:
         return ""
     middle = motion.soles[:, :, :3].mean(axis=1)
@@ -129,12 +135,12 @@ def way(motion: Motion) -> str:
 
 
 def ratio(check: Check | None) -> str:
-    """What is used of what there is; nothing where that is not known."""
+    """Value of a check as a percentage of its limit; empty if the check was not made."""
     return "" if check is None else f"{100 * check.value / check.limit:.0f} %"
 
 
 def margin(motion: Motion) -> str:
-    """Least margin of the ZMP where there is a support polygon."""
+    """Least margin of the ZMP over all samples with a support polygon."""
     if not motion.gait.is_balanced:
         return ""
     margins = zmp_margins(motion, motion.zmp)
@@ -142,7 +148,7 @@ def margin(motion: Motion) -> str:
 
 
 def note_of(name: str) -> str:
-    """The comment at the top of a gait file."""
+    """Comment at the top of a gait file."""
     path = Path(__file__).parent.parent / "gaits" / f"{name}.yaml"
     lines = []
     for line in path.read_text(encoding="utf-8").splitlines():
