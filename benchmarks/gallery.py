@@ -25,13 +25,14 @@ from mgs.sim import SERVOS, available_engines, replay
 DOCS = Path(__file__).parent.parent / "docs"
 HEAD = """# Gallery
 
-This page shows all shipped gaits, as generated and judged by `make gallery`: by static checks, and by
-an open-loop replay in each physics engine with ideal and with modelled servos.
+This page shows all shipped gaits, as generated and judged by `make gallery`: by static checks, and
+by an open-loop replay in each physics engine with ideal and with modelled servos.
 
 Abbreviations: CoM is the centre of mass, ZMP the zero-moment point.
 
 - Displacement: change of the midpoint of the soles from start to end.
-- ZMP margin: least distance of the ZMP from the edge of the support polygon, over the whole motion on level ground.
+- ZMP margin: least distance of the ZMP from the edge of the support polygon, over the whole motion
+  on level ground.
 - Speed, torque: largest ratio of joint speed or torque to the limit of the servo at that instant.
 - Static checks and engines: `pass`, or the names of the failed checks.
 
