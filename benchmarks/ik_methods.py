@@ -54,7 +54,8 @@ from mgs.core.plugins import IK_SOLVERS
 from mgs.experiments.faraji.runs import FEW, ITERATED, MANY, STRETCHED, Key, gait_of
 from mgs.gait import BalanceGait, WalkGait, load_gait
 from mgs.ik_solver.hard_soft import NEAR_STRETCHED, FarajiIk, FarajiRun
-from mgs.motion_planner import plan_motion
+from mgs.motion_planner.balance import plan_balance
+from mgs.motion_planner.walk import plan_walk
 from mgs.pipeline import first_com
 from mgs.robot import Robot, load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
@@ -128,7 +129,7 @@ def _squat() -> Case:
         return gait_of(Key(STRETCHED, method, n))
 
     robot, gait = load_robot("coman_legs"), gait_with("ik4", FEW)
-    tasks = plan_trajectories(plan_motion(robot, gait))
+    tasks = plan_trajectories(plan_balance(robot, gait))
     return Case(SQUAT, robot, tasks, first_com(robot, gait, tasks), gait_with)
 
 
@@ -142,7 +143,7 @@ def _walk() -> Case:
         return gait
 
     robot, gait = load_robot("melson"), gait_with("ik4", FEW)
-    tasks = plan_trajectories(plan_motion(robot, gait))
+    tasks = plan_trajectories(plan_walk(robot, gait))
     return Case(WALK, robot, tasks, first_com(robot, gait, tasks), gait_with)
 
 

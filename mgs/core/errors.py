@@ -3,15 +3,17 @@
 MgsError                     exit code 1: the work could not be done
 ├── InputError               exit code 2: malformed or missing input
 │   ├── ConfigError          a gait or robot file, or a value on the command line
-│   └── MotionFileError      an MCAP file that is damaged or not ours
+│   └── MotionFileError      an MCAP file that is damaged or was not written by mgs
 ├── InfeasibleGaitError      the gait is well formed, but this robot cannot do it
 │   ├── FootstepError        two soles would overlap
-│   ├── IkError              a task is missed
-│   ├── SeamError            a part of a sequence does not begin as the one before ends
-│   └── JointLimitError      a joint would leave its range
+│   ├── ComOutsideFeetError  the CoM is asked to go sideways beyond both feet
+│   ├── IkError              a task is not met
+│   ├── JointLimitError      a joint would leave its range
+│   ├── JointSpeedError      a joint would have to move faster than its servo can
+│   └── SeamError            a part of a sequence does not begin as the one before it ends
 ├── CycleError               a motion has no two steps that could be repeated
-├── SimulationError          an engine is missing, or its model differs from ours
-│   └── DivergenceError      the simulation left the realm of numbers
+├── SimulationError          an engine is missing, or its model differs from Pinocchio's
+│   └── DivergenceError      the simulation has produced values that are not finite
 └── OutputExistsError        a file is in the way
 """
 
@@ -22,9 +24,19 @@ from typing import Any
 
 
 class MgsError(Exception):
-    """Base of all errors that mgs raises on purpose."""
+    """Base of all errors that mgs raises on purpose: facts, and a remedy where one is known.
+
+    The code that finds an error often does not know which kind of gait was asked for. It states
+    facts alone; `mgs.gait.remedies` adds the remedy for that kind, which ends the message.
+    """
 
     exit_code = 1
+    remedy = ""
+
+    def __str__(self) -> str:
+        """The facts, followed by the remedy."""
+        facts = super().__str__()
+        return f"{facts}; {self.remedy}" if self.remedy else facts
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Carry message and data between processes; pickle would call __init__ with the message."""
@@ -38,7 +50,7 @@ def _unpickle(kind: type[MgsError], args: tuple[Any, ...], data: dict[str, Any])
 
 
 class InputError(MgsError):
-    """Something that came from outside is malformed or missing."""
+    """Something that comes from outside is malformed or missing."""
 
     exit_code = 2
 
@@ -46,7 +58,8 @@ class InputError(MgsError):
 class ConfigError(InputError):
     """A value in a file or on the command line is missing, unknown or out of range.
 
-    Up to `MOST_TOLD` problems are told; `n_problems` is their number where not all were collected.
+    The message lists up to `MOST_TOLD` problems; `n_problems` is the number of all problems where
+    more were found than collected.
     """
 
     MOST_TOLD = 20
@@ -77,9 +90,23 @@ class InfeasibleGaitError(MgsError):
 class FootstepError(InfeasibleGaitError):
     """Two soles would overlap on the ground."""
 
-    def __init__(self, first: int, second: int, gap: float, advice: str) -> None:
-        super().__init__(f"footsteps {first} and {second} overlap by {-1e3 * gap:.1f} mm; {advice}")
-        self.first, self.second, self.gap = first, second, gap  # indices, [m]
+    def __init__(self, first: int, second: int, gap: float, distance: float) -> None:
+        super().__init__(
+            f"footsteps {first} and {second} overlap by {-1e3 * gap:.1f} mm; their centres are "
+            f"{distance:.3f} m apart"
+        )
+        self.first, self.second = first, second  # numbers of the footsteps
+        self.gap, self.distance = gap, distance  # of the edges, of the centres [m]
+
+
+class ComOutsideFeetError(InfeasibleGaitError):
+    """The CoM is asked to go sideways beyond both feet."""
+
+    def __init__(self, distance: float) -> None:
+        super().__init__(
+            f"the CoM is asked to go {distance:.3f} m sideways from the middle, beyond both feet"
+        )
+        self.distance = distance  # [m]
 
 
 class IkError(InfeasibleGaitError):
@@ -87,12 +114,10 @@ class IkError(InfeasibleGaitError):
 
     def __init__(self, t: float, task: str, residual: float, tolerance: float, unit: str) -> None:
         super().__init__(
-            f"t = {t:.3f} s: {task} is {residual:.3g} {unit} off, {tolerance:.3g} {unit} allowed; "
-            "it is probably out of reach: try a shorter step_length, a lower com_height or "
-            "a longer single_support; in a kick a nearer ball or shorter swings; in a balance "
-            "motion smaller channels or a longer ease; in keyframes less, or more time"
+            f"t = {t:.3f} s: {task} is {residual:.3g} {unit} off, {tolerance:.3g} {unit} allowed"
         )
-        self.t, self.task, self.residual, self.tolerance = t, task, residual, tolerance
+        self.t, self.task, self.unit = t, task, unit  # time [s]
+        self.residual, self.tolerance = residual, tolerance  # in the unit
 
 
 class JointLimitError(InfeasibleGaitError):
@@ -102,21 +127,28 @@ class JointLimitError(InfeasibleGaitError):
         excess = max(lower - position, position - upper)
         super().__init__(
             f"t = {t:.3f} s: joint {joint} at {position:.4f} rad is {excess:.4f} rad outside "
-            f"its range [{lower:.4f}, {upper:.4f}]; try a larger ik.gamma_joint, a shorter "
-            "step_length, smaller channels or another com_height, or set ik.on_limit: record to "
-            "keep the motion"
+            f"its range [{lower:.4f}, {upper:.4f}] rad"
         )
-        self.t, self.joint, self.position = t, joint, position
+        self.t, self.joint, self.position = t, joint, position  # [s], name, [rad]
+
+
+class JointSpeedError(InfeasibleGaitError):
+    """A joint would have to move faster than its servo can."""
+
+    def __init__(self, t: float, joint: str, speed: float, limit: float) -> None:
+        super().__init__(
+            f"t = {t:.3f} s: joint {joint} would have to move at {speed:.2f} rad/s, but its servo "
+            f"reaches {limit:.2f} rad/s"
+        )
+        self.t, self.joint, self.speed, self.limit = t, joint, speed, limit  # [s], name, [rad/s]
 
 
 class SeamError(InfeasibleGaitError):
-    """A part of a sequence does not begin where, or as, the one before it has ended."""
+    """A part of a sequence does not begin where, or in the posture in which, the last one ended."""
 
     def __init__(self, part: str, difference: str, remedy: str) -> None:
-        super().__init__(
-            f"{part} does not begin as the part before it ends: {difference}; {remedy}"
-        )
-        self.part, self.difference = part, difference
+        super().__init__(f"{part} does not begin as the part before it ends: {difference}")
+        self.part, self.difference, self.remedy = part, difference, remedy
 
 
 class CycleError(MgsError):
@@ -128,7 +160,7 @@ class SimulationError(MgsError):
 
 
 class DivergenceError(SimulationError):
-    """A simulation has left the realm of numbers."""
+    """A simulation has produced values that are not finite."""
 
 
 class OutputExistsError(MgsError):

@@ -135,8 +135,8 @@ class FarajiRun:
         default = POSTURE_WEIGHT if spare > 0 else 0.0
         # beside the soft rows' own pull at rest, where the gamma term is nothing
         weight = np.full(robot.n, default if posture is None else posture)
-        if tasks.held is not None:
-            weight[tasks.held] = HELD_WEIGHT
+        if tasks.posture is not None:
+            weight[tasks.posture.held] = HELD_WEIGHT
         self.posture_weight = weight * (1.0 + gamma if solver.method == 4 else 1.0)
         self.damping = np.full(nv, tuning.damping)
         self.damping[FLOATING_BASE_NV:] += self.posture_weight
@@ -157,7 +157,7 @@ class FarajiRun:
         self.posture = (
             np.tile(self.q[FLOATING_BASE_NQ:], (tasks.n_samples, 1))
             if tasks.posture is None
-            else tasks.posture
+            else tasks.posture.angles
         )
         self.H, self.g = np.zeros((nv, nv)), np.zeros(nv)
         self.A, self.b = self.J_hard, self.E_hard

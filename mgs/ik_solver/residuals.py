@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mgs.core.arrays import Array
-from mgs.core.errors import IkError, InfeasibleGaitError, JointLimitError
+from mgs.core.errors import IkError, JointLimitError, JointSpeedError
 from mgs.ik_solver.floating.tasks import BodyTargets, BodyTasks
 from mgs.robot import Robot
 
@@ -86,12 +86,10 @@ def refuse_limits(robot: Robot, joints: Array, dt: float, start: int = 0) -> Non
 
 
 def refuse_speed(robot: Robot, angles: Array, dt: float) -> None:
-    """Raise InfeasibleGaitError where joint angles (N, n) move faster than servos do."""
+    """Raise JointSpeedError where joint angles (N, n) move faster than their servos can."""
     speed = np.abs(np.diff(angles, axis=0)) / dt
     k, j = np.unravel_index(np.argmax(speed / robot.speed_limit), speed.shape)
     if speed[k, j] > robot.speed_limit[j]:
-        raise InfeasibleGaitError(
-            f"t = {k * dt:.3f} s: joint {robot.joint_names[j]} would have to move at "
-            f"{speed[k, j]:.2f} rad/s, its servo gives {robot.speed_limit[j]:.2f}; use a lower "
-            "kick.speed or a longer kick.back_swing and kick.follow_through"
+        raise JointSpeedError(
+            float(k * dt), robot.joint_names[j], float(speed[k, j]), float(robot.speed_limit[j])
         )

@@ -1,4 +1,7 @@
-"""The product of stage 1."""
+"""The product of stage 1: one type of plan for each way to describe a motion.
+
+World frame: origin on the ground midway between the soles at the start, x forward, y left, z up.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,7 @@ from mgs.gait import AnyChannel
 
 @dataclass(frozen=True, eq=False)
 class SwingPath:
-    """How a swing sole travels, where not as a step over level ground; times from lift-off."""
+    """Path of a swing sole that is not the usual step; times count from lift-off."""
 
     planar: Knots  # x, y [m], yaw [rad]
     height: Knots  # z [m]
@@ -24,85 +27,108 @@ class SwingPath:
 
 @dataclass(frozen=True)
 class Phase:
-    """One support phase: samples start <= k < end.
-
-    `feet` are the footsteps (left, right) under the robot when the phase begins, as indices into
-    `MotionPlan.footsteps`; in single support `target` is the one that the swing foot lands on.
-    """
+    """One support phase: samples start <= k < end."""
 
     start: int
     end: int
     support: Support
-    feet: tuple[int, int]
-    target: int | None = None
-    path: SwingPath | None = None
+    feet: tuple[int, int]  # indices of the left and right footstep under the robot at its start
+    target: int | None = None  # index of the footstep that the swing foot lands on
+    path: SwingPath | None = None  # None: the usual step
 
 
 @dataclass(frozen=True, eq=False)
 class LegReach:
-    """How far soles may be from the CoM: ankles within a leg's length of the hips."""
+    """Largest distance of the soles from the CoM: ankles within a leg's length of the hips."""
 
-    hips: Array  # (2, 3) from the CoM, heading ahead [m]
-    ankles: Array  # (2, 3) from the sole, in its frame [m]
-    length: float  # [m]
+    hips: Array  # (2, 3) from the CoM, robot facing along x [m]
+    ankles: Array  # (2, 3) from the sole, in the sole's frame [m]
+    length: float  # largest distance of an ankle from its hip [m]
 
 
-@dataclass(frozen=True, eq=False)
-class BodyPlan:
-    """Motion of CoM, torso and hands over feet that stay: the sum of channels, eased in and out.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CommonPlan:
+    """What every plan has."""
 
-    The factor of all channels is 0 for samples up to `start` and from `end` on, 1 from
-    `start + ease` to `end - ease`.
+    dt: float  # sampling period [s]
+    n_samples: int
+    footsteps: tuple[Footstep, ...]  # the initial left and right ones first, then one per step
+    scene: Scene = EMPTY
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class WalkPlan(CommonPlan):
+    """Footsteps and support phases of a walk, of stairs or of a kick; the CoM follows the ZMP.
+
+    Phases tile the samples 0 to n_samples - 1; the last sample belongs to the last phase.
+    """
+
+    phases: tuple[Phase, ...]
+    step_height: float  # [m]
+    landing: float = 0.0  # last part of a single support, in which the sole comes straight down
+    com_height: float  # above the ground [m]
+    zmp_offset: tuple[float, float]  # forward and inward of the sole's centre [m]
+    zmp_travel: float = 0.0  # from heel to toe in each single support [m]
+    hand_offsets: Array  # (2, 3) from the CoM, axes turned with the heading [m]; NaN: free
+    arm_swing: float = 0.0  # forward motion of a hand as a part of that of the opposite foot
+    torso: Array  # (4,) orientation at rest, robot facing along x, quaternion xyzw
+    reach: LegReach | None = None  # bound of the CoM's height; None: the height is as asked
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BalancePlan(CommonPlan):
+    """CoM, torso and hands follow the sum of channels over feet that stay.
+
+    One factor of all channels fades them in and out: it is 0 up to sample `start` and from `end`
+    on, and 1 from `start + ease` to `end - ease`.
     """
 
     start: int
     end: int
-    ease: int  # samples
+    ease: int  # number of samples
     channels: tuple[AnyChannel, ...]
     com: Array  # (3,) at rest [m]
-    com_height: float  # that com_z adds to [m]
-    hands: Array  # (2, 3) at rest, world [m]
+    com_height: float  # height that the channel com_z adds to [m]
+    hands: Array  # (2, 3) at rest [m]; NaN: free
+    torso: Array  # (4,) orientation at rest, quaternion xyzw
 
 
 @dataclass(frozen=True, eq=False)
-class KeyPlan:
-    """K instants at which the body rests over feet that stay; the first is the start.
-
-    The body is in key k from sample `arrivals[k]` to `departures[k]`.
-    """
+class KeyTimes:
+    """The body rests in key k from sample arrivals[k] to departures[k]; the first is the start."""
 
     arrivals: NDArray[np.intp]  # (K,)
     departures: NDArray[np.intp]  # (K,)
-    com: Array  # (K, 3) [m]
-    torso: Array  # (K, 4) quaternion xyzw
-    hands: Array  # (K, 2, 3) world [m]; NaN: nothing is asked of this hand
-    posture: Array  # (K, n) joint angles that the IK prefers [rad]
-    held: NDArray[np.bool_]  # (n,) joints that follow their posture before anything else
-    payload: Array | None = None  # (N, 2) in the hands at every sample [kg]
-    mass: float = 0.0  # of the robot [kg], beside a payload
-    base: Array | None = None  # (4,) quaternion xyzw of the base at the start, without balance
 
 
 @dataclass(frozen=True, eq=False)
-class MotionPlan:
-    """Stage 1: what touches the ground where and when.
+class Payload:
+    """Masses that the hands carry."""
 
-    Phases tile samples 0 .. n_samples - 1; the last sample belongs to the last phase.
-    """
+    masses: Array  # (N, 2) in the left and right hand at every sample [kg]
+    robot_mass: float  # [kg]
 
-    dt: float  # [s]
-    n_samples: int
-    footsteps: tuple[Footstep, ...]  # the two initial ones first, then one per step
-    phases: tuple[Phase, ...]
-    step_height: float  # [m]
-    landing: float  # part of a single support in which the swing sole comes straight down
-    com_height: float  # [m]
-    zmp_offset: tuple[float, float]  # forward and inward of the sole centre [m]
-    hand_offsets: Array  # (2, 3) hands from the CoM, axes turned with the heading; NaN: free [m]
-    torso: Array  # (4,) quaternion xyzw of the torso at rest, heading ahead
-    zmp_travel: float = 0.0  # from heel to toe in a single support [m]
-    arm_swing: float = 0.0  # way of a hand as a part of that of the opposite foot
-    scene: Scene = EMPTY
-    reach: LegReach | None = None  # bounds the CoM's height; None: it is as asked
-    body: BodyPlan | None = None  # None: the CoM follows from the ZMP, or from `keys`
-    keys: KeyPlan | None = None
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class KeyframePlan(CommonPlan):
+    """CoM, torso, hands and joints go through K keys over feet that stay."""
+
+    times: KeyTimes
+    com: Array  # (K, 3) [m]
+    torso: Array  # (K, 4) quaternion xyzw
+    hands: Array  # (K, 2, 3) [m]; NaN: free
+    posture: Array  # (K, n) preferred joint angles [rad]
+    held: NDArray[np.bool_]  # (n,) joints that follow their angles exactly
+    payload: Payload | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PosturePlan(CommonPlan):
+    """Joint angles go through K keys; how the robot balances on the way is not planned."""
+
+    times: KeyTimes
+    posture: Array  # (K, n) joint angles [rad]
+    base: Array  # (2, 4) orientation of the base at the start and at the end, quaternion xyzw
+
+
+MotionPlan = WalkPlan | BalancePlan | KeyframePlan | PosturePlan

@@ -1,10 +1,10 @@
-"""The choice of the planner by the kind of motion."""
+"""The choice of the planner by the kind of gait."""
 
 from __future__ import annotations
 
 from mgs.gait import Gait, KeyframesGait, KickGait, PickUpGait, SequenceGait, WalkGait
 from mgs.motion_planner.balance import plan_balance
-from mgs.motion_planner.keyframes import plan_keyframes
+from mgs.motion_planner.keyframes import plan_keyframes, plan_postures
 from mgs.motion_planner.kick import plan_kick
 from mgs.motion_planner.motion_plan import MotionPlan
 from mgs.motion_planner.pick_up import plan_pick_up
@@ -13,23 +13,24 @@ from mgs.robot import Robot
 
 
 def plan_motion(robot: Robot, gait: Gait) -> MotionPlan:
-    """Stage 1: footsteps and support phases of a gait.
+    """Stage 1: the plan of a gait, of the type that belongs to its kind.
 
     Raises:
         FootstepError: two soles would overlap.
-        InfeasibleGaitError: a footstep on an edge, a leg in the way, a ball too near, a point
-            out of a hand's reach.
-        ConfigError: a duration does not fit the sampling period or the preview window, or a hand or
-            joint is none that this robot can move so.
+        InfeasibleGaitError: a footstep lies on an edge, a leg is in the way, a ball is too near, or
+            a hand cannot reach a point.
+        ConfigError: a duration does not fit the sampling period, or the robot has no such joint or
+            cannot move the hand or turn the sole that the gait names.
+        TypeError: the gait is a sequence, which has a plan for each of its parts.
     """
     if isinstance(gait, SequenceGait):
-        raise TypeError("a sequence has a plan for each of its parts")
+        raise TypeError("a sequence has a plan for each of its parts, not one of its own")
     if isinstance(gait, WalkGait):
         return plan_walk(robot, gait)
-    if isinstance(gait, KeyframesGait):
-        return plan_keyframes(robot, gait)
-    if isinstance(gait, PickUpGait):
-        return plan_pick_up(robot, gait)
     if isinstance(gait, KickGait):
         return plan_kick(robot, gait)
+    if isinstance(gait, PickUpGait):
+        return plan_pick_up(robot, gait)
+    if isinstance(gait, KeyframesGait):
+        return plan_keyframes(robot, gait) if gait.is_balanced else plan_postures(robot, gait)
     return plan_balance(robot, gait)

@@ -1,4 +1,7 @@
-"""Where the parts of a robot are while it stands in its half-sitting posture."""
+"""Where the parts of a robot are while it stands in its half-sitting posture.
+
+World frame: origin on the ground midway between the soles, x forward, y left, z up.
+"""
 
 from __future__ import annotations
 
@@ -8,70 +11,52 @@ import numpy as np
 import pinocchio as pin
 
 from mgs.core.arrays import Array
-from mgs.core.contact import Footstep, Side, Support
-from mgs.motion_planner.motion_plan import KeyPlan, LegReach, MotionPlan, Phase
+from mgs.core.contact import Footstep, Side
+from mgs.motion_planner.motion_plan import LegReach
 from mgs.robot import Robot, midpoint_width
+from mgs.robot.limbs import arm_joints, hip_to_ankle_length, leg_joints
 
-STRETCH = 0.97  # of a straight leg that is made use of
-LEAST_ARM_JOINTS = 3  # that can place a hand anywhere about a point
+STRETCH = 0.97  # part of the length of a straight leg that is used
+MIN_ARM_JOINTS = 3  # with fewer joints an arm cannot move its hand in all three directions
 
 
 @dataclass(frozen=True, eq=False)
 class StandingFigures:
-    """World frame, origin on the ground midway between the soles."""
+    """Places of the CoM and the hands and orientation of the torso."""
 
     com: Array  # (3,) [m]
-    hands: Array  # (2, 3) left and right [m]; NaN: it cannot be moved freely against the torso
+    hands: Array  # (2, 3) left and right [m]; NaN: the arm cannot move this hand freely
     torso: Array  # (4,) quaternion xyzw
 
 
 def standing_figures(robot: Robot) -> StandingFigures:
-    """Figures of the half-sitting posture."""
+    """Places of CoM and hands and the orientation of the torso in the half-sitting posture."""
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.standing_q)
     com = pin.centerOfMass(robot.model, data, robot.standing_q, False).copy()
     hands = np.array([data.oMf[frame].translation for frame in robot.hand_frames])
-    supports, frames = robot.model.supports, robot.model.frames
-    trunk = set(supports[frames[robot.torso_frame].parentJoint])
-    for side, frame in enumerate(robot.hand_frames):
-        arm = set(supports[frames[frame].parentJoint]) - trunk
-        if len(arm) < LEAST_ARM_JOINTS:
+    for side in Side:
+        if len(arm_joints(robot, side)) < MIN_ARM_JOINTS:
             hands[side] = np.nan
     torso = pin.Quaternion(data.oMf[robot.torso_frame].rotation).coeffs()
     return StandingFigures(com, hands, np.array(torso))
 
 
+def feet_abreast(robot: Robot, width: float | None = None) -> tuple[Footstep, Footstep]:
+    """The left and the right footstep of a robot that stands; the width [m] may be given."""
+    width = width or midpoint_width(robot)
+    left, right = (Footstep(side, 0.0, 0.5 * side.sign * width, 0.0) for side in Side)
+    return left, right
+
+
 def leg_reach(robot: Robot) -> LegReach:
-    """Hips and ankles of the half-sitting posture, and how far apart they may be."""
+    """Hips and ankles in the half-sitting posture, and how far apart a leg lets them be."""
     model, data = robot.model, robot.model.createData()
     pin.framesForwardKinematics(model, data, robot.standing_q)
     com = pin.centerOfMass(model, data, robot.standing_q, False).copy()
-    hips, ankles, lengths = np.empty((2, 3)), np.empty((2, 3)), []
+    hips, ankles = np.empty((2, 3)), np.empty((2, 3))
     for side in Side:
-        frame = robot.sole_frames[side]
-        chain = [joint for joint in model.supports[model.frames[frame].parentJoint] if joint > 1]
-        hips[side] = data.oMi[chain[0]].translation - com
-        ankles[side] = data.oMf[frame].actInv(data.oMi[chain[-1]].translation)
-        places = [model.jointPlacements[joint].translation for joint in chain[1:]]
-        lengths.append(sum(float(np.linalg.norm(place)) for place in places))
-    return LegReach(hips, ankles, STRETCH * min(lengths))
-
-
-def standing_plan(
-    robot: Robot, dt: float, n_samples: int, rest: StandingFigures, keys: KeyPlan
-) -> MotionPlan:
-    """A plan of one phase on both feet, where they are at rest."""
-    width = midpoint_width(robot)
-    return MotionPlan(
-        dt=dt,
-        n_samples=n_samples,
-        footsteps=tuple(Footstep(side, 0.0, 0.5 * side.sign * width, 0.0) for side in Side),
-        phases=(Phase(0, n_samples, Support.DOUBLE, (0, 1)),),
-        step_height=0.0,
-        landing=0.0,
-        com_height=float(rest.com[2]),
-        zmp_offset=(0.0, 0.0),
-        hand_offsets=np.full((2, 3), np.nan),
-        torso=rest.torso,
-        keys=keys,
-    )
+        hip, *_, ankle = leg_joints(robot, side)
+        hips[side] = data.oMi[hip].translation - com
+        ankles[side] = data.oMf[robot.sole_frames[side]].actInv(data.oMi[ankle].translation)
+    return LegReach(hips, ankles, STRETCH * hip_to_ankle_length(robot))

@@ -1,20 +1,19 @@
-"""Walking: footsteps on the ground and on boxes, and the support phases between them."""
+"""The plan of a walk: footsteps on the ground and on boxes, and the support phases between them."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
 
-import numpy as np
-
-from mgs.core.contact import Footstep, Side, Support
+from mgs.core.contact import Footstep, Side
 from mgs.core.errors import ConfigError, FootstepError
 from mgs.core.geometry import rectangle_gap
 from mgs.core.scene import Box, Scene
 from mgs.gait import WalkGait, WalkParameters
 from mgs.motion_planner.footsteps import first_support_of, plan_footsteps
 from mgs.motion_planner.goal import StepLimits
-from mgs.motion_planner.motion_plan import MotionPlan, Phase
+from mgs.motion_planner.motion_plan import Phase, WalkPlan
+from mgs.motion_planner.phases import Duration, phase_bounds, step_phases
 from mgs.motion_planner.standing import leg_reach, standing_figures
 from mgs.motion_planner.terrain import (
     SwingParameters,
@@ -27,46 +26,46 @@ from mgs.robot import Robot, leg_length, midpoint_width
 from mgs.robot.legs import missing_turn
 
 ROUNDING = 1e-9  # [rad]
-MIN_PHASE_SAMPLES = 5  # below this a quintic is no longer sampled
-# Of the largest step on the way to a goal, where the gait says nothing.
-STEP_LENGTH, STEP_LATERAL, STEP_YAW = 0.18, 0.1, 0.2  # of the leg's length; [rad]
+# Largest step on the way to a goal where the gait gives none.
+STEP_LENGTH, STEP_LATERAL = 0.18, 0.1  # in leg lengths
+STEP_YAW = 0.2  # [rad]
 
 
-def plan_walk(robot: Robot, gait: WalkGait) -> MotionPlan:
+def plan_walk(robot: Robot, gait: WalkGait) -> WalkPlan:
     """Footsteps and support phases of a walk; see `plan_motion` for the errors."""
     walk = gait.walk
     width = walk.step_width or midpoint_width(robot)
     limits = _step_limits(robot, walk, width)
     level = plan_footsteps(walk, width, first_support_of(walk), limits)
     _refuse_what_legs_lack(robot, walk, level)
-    _refuse_overlap(robot, level, walk)
+    _refuse_overlap(robot, level)
     _refuse_zmp_beside_sole(robot, walk)
     boxes = tuple(Box(**box.model_dump()) for box in walk.boxes)
     footsteps = tuple(stand_on(robot, level, boxes))
-    phases = step_phases(_boundaries(walk, gait.dt, len(footsteps) - 2), footsteps)
+    phases = step_phases(phase_bounds(_durations(walk, len(footsteps) - 2), gait.dt), footsteps)
     if boxes:
         phases = _over_boxes(robot, phases, footsteps, boxes, gait)
     rest = standing_figures(robot)
-    return MotionPlan(
+    return WalkPlan(
         dt=gait.dt,
         n_samples=phases[-1].end,
         footsteps=footsteps,
+        scene=Scene(boxes=boxes),
         phases=phases,
         step_height=walk.step_height,
         landing=walk.landing,
         com_height=walk.com_height or float(rest.com[2]),
         zmp_offset=(walk.zmp_offset[0], walk.zmp_offset[1]),
-        hand_offsets=rest.hands - rest.com,
-        torso=rest.torso,
         zmp_travel=walk.zmp_travel,
+        hand_offsets=rest.hands - rest.com,
         arm_swing=walk.arm_swing,
-        scene=Scene(boxes=boxes),
+        torso=rest.torso,
         reach=leg_reach(robot) if boxes else None,
     )
 
 
 def _step_limits(robot: Robot, walk: WalkParameters, width: float) -> StepLimits:
-    """The largest steps on the way to a goal."""
+    """Largest steps on the way to a goal."""
     leg = leg_length(robot)
     lateral = abs(walk.lateral) or STEP_LATERAL * leg
     free = width - 0.5 * sum(robot.sole_spec(side).width for side in Side)
@@ -78,10 +77,17 @@ def _step_limits(robot: Robot, walk: WalkParameters, width: float) -> StepLimits
     )
 
 
+def _durations(walk: WalkParameters, n_steps: int) -> list[Duration]:
+    """Durations of all phases: lead-in, weight shift, step, ..., weight shift, lead-out."""
+    shift = ("walk.double_support", walk.double_support)
+    steps = [shift, ("walk.single_support", walk.single_support)] * n_steps
+    return [("walk.lead_in", walk.lead_in), *steps, shift, ("walk.lead_out", walk.lead_out)]
+
+
 def _refuse_what_legs_lack(
     robot: Robot, walk: WalkParameters, footsteps: tuple[Footstep, ...]
 ) -> None:
-    """Raise ConfigError for steps that need a turn of the sole which the legs do not have."""
+    """Raise ConfigError where a step needs a turn of the sole that the legs lack."""
     turn = missing_turn(robot)
     keys = {"yaw": ("step_yaw",), "roll": ("lateral", "step_width", "step_yaw")}
     for key in keys[turn] if turn is not None else ():
@@ -89,21 +95,21 @@ def _refuse_what_legs_lack(
             joint = "hip yaw" if turn == "yaw" else "ankle roll"
             raise ConfigError(
                 f"walk.{key}",
-                f"{getattr(walk, key):g} asks for a {joint}, which the legs of {robot.spec.name} "
-                "lack; leave it out",
+                f"{getattr(walk, key):g} asks for a joint for {joint}, which the legs of "
+                f"{robot.spec.name} lack; leave it out",
             )
     for number, footstep in enumerate(footsteps if turn is not None else ()):
         aside = turn == "roll" and footstep.y != footsteps[footstep.side].y
         if aside or abs(footstep.yaw) > ROUNDING:
             raise ConfigError(
                 "walk",
-                f"footstep {number} turns or goes aside, for which the legs of {robot.spec.name} "
-                "lack a joint; walk straight ahead or back",
+                f"footstep {number} turns or goes sideways, but the legs of {robot.spec.name} lack "
+                "a joint for that; walk straight ahead or back",
             )
 
 
-def _refuse_overlap(robot: Robot, footsteps: tuple[Footstep, ...], walk: WalkParameters) -> None:
-    """Look at each sole beside the one that stands while it lands, and at its way there."""
+def _refuse_overlap(robot: Robot, footsteps: tuple[Footstep, ...]) -> None:
+    """Raise FootstepError where a sole lands on the other one, or strikes it on its way there."""
     corners = [corners_of(robot, footstep) for footstep in footsteps]
     feet = [0, 1]
     for landing in range(1, len(footsteps)):
@@ -115,10 +121,7 @@ def _refuse_overlap(robot: Robot, footsteps: tuple[Footstep, ...], walk: WalkPar
                 footsteps[standing].x - footsteps[landing].x,
                 footsteps[standing].y - footsteps[landing].y,
             )
-            advice = f"their centres are {distance:.3f} m apart: try a larger step_width"
-            if walk.step_yaw:
-                advice += " or a smaller step_yaw"
-            raise FootstepError(standing, landing, gap, advice)
+            raise FootstepError(standing, landing, gap, distance)
         if landing > 1:
             refuse_crossing(
                 robot, footsteps[feet[side]], footsteps[landing], footsteps[standing], landing
@@ -127,6 +130,7 @@ def _refuse_overlap(robot: Robot, footsteps: tuple[Footstep, ...], walk: WalkPar
 
 
 def _refuse_zmp_beside_sole(robot: Robot, walk: WalkParameters) -> None:
+    """Raise ConfigError where the planned ZMP would leave the support sole."""
     for side in Side:
         sole = robot.sole_spec(side)
         forward, inward = (abs(offset) for offset in walk.zmp_offset)
@@ -140,39 +144,9 @@ def _refuse_zmp_beside_sole(robot: Robot, walk: WalkParameters) -> None:
         if walk.zmp_travel >= room:
             raise ConfigError(
                 "walk.zmp_travel",
-                f"{walk.zmp_travel:g} m leads out of the sole, which has room for {room:g} m",
+                f"{walk.zmp_travel:g} m leads out of the sole, which has room for {room:g} m; "
+                "use a smaller one",
             )
-
-
-def _boundaries(walk: WalkParameters, dt: float, n_steps: int) -> list[int]:
-    """Samples at which phases begin: lead-in, shift, step, ..., shift, lead-out, and the end."""
-    steps = [walk.double_support, walk.single_support] * n_steps
-    durations = [walk.lead_in, *steps, walk.double_support, walk.lead_out]
-    samples = np.round(np.concatenate([[0.0], np.cumsum(durations)]) / dt).astype(int)
-    if np.diff(samples).min() < MIN_PHASE_SAMPLES:
-        keys = ("lead_in", "double_support", "single_support", "lead_out")
-        key = min(keys, key=lambda name: float(getattr(walk, name)))
-        raise ConfigError(
-            f"walk.{key}",
-            f"{getattr(walk, key)} s is fewer than {MIN_PHASE_SAMPLES} samples of dt = {dt} s; "
-            f"at least {MIN_PHASE_SAMPLES * dt:g} s, or a smaller dt",
-        )
-    return [int(k) for k in samples]
-
-
-def step_phases(bounds: list[int], footsteps: tuple[Footstep, ...]) -> tuple[Phase, ...]:
-    """Phases between samples: rest, a shift and a swing for each footstep, shift and rest."""
-    feet = (0, 1)
-    phases = [Phase(bounds[0], bounds[1], Support.DOUBLE, feet)]
-    for target in range(2, len(footsteps)):
-        shift, lift, land = bounds[2 * target - 3 : 2 * target]
-        swing = footsteps[target].side
-        phases.append(Phase(shift, lift, Support.DOUBLE, feet))
-        phases.append(Phase(lift, land, Support.single(swing.other), feet, target))
-        feet = (target, feet[1]) if swing is Side.LEFT else (feet[0], target)
-    phases.append(Phase(bounds[-3], bounds[-2], Support.DOUBLE, feet))
-    phases.append(Phase(bounds[-2], bounds[-1] + 1, Support.DOUBLE, feet))
-    return tuple(phases)
 
 
 def _over_boxes(
@@ -182,7 +156,7 @@ def _over_boxes(
     boxes: tuple[Box, ...],
     gait: WalkGait,
 ) -> tuple[Phase, ...]:
-    """Phases whose swings keep clear of boxes."""
+    """The phases with swing paths that keep clear of boxes."""
     walk, cleared = gait.walk, []
     for phase in phases:
         if phase.target is not None:

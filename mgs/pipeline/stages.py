@@ -9,20 +9,20 @@ import numpy as np
 
 from mgs.com_generator import ComTrajectory, follow_com
 from mgs.core.arrays import Array
-from mgs.core.constants import FLOATING_BASE_NQ
-from mgs.core.geometry import quintic, slerp
+from mgs.core.contact import Side, Support
 from mgs.core.progress import Progress
 from mgs.gait import Gait, KickGait, SequenceGait, SingleGait, ZmpGait
+from mgs.gait.remedies import remedies_for
 from mgs.ik_solver import JointTrajectory, refuse_speed
 from mgs.motion import Motion
 from mgs.motion.dynamics import analyse, place_lowest
 from mgs.motion.provenance import FilterReport
-from mgs.motion_planner import MotionPlan, for_robot, plan_motion
+from mgs.motion_planner import MotionPlan, PosturePlan, for_robot, plan_motion
 from mgs.pipeline.assemble import assemble
 from mgs.pipeline.dynamic_filter import Passes, filter_passes
 from mgs.pipeline.timing import timed
 from mgs.robot import Robot
-from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
+from mgs.trajectory_planner import TaskTrajectory, plan_posture_trajectory, plan_trajectories
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class Stages:
 
     @property
     def gait(self) -> SingleGait:
-        """What was asked."""
+        """The gait that was asked for."""
         assert not isinstance(self.motion.gait, SequenceGait)
         return self.motion.gait
 
@@ -54,23 +54,31 @@ def run_stages(
 
     Args:
         robot: the robot.
-        gait: what it shall do; no sequence, which has stages for each of its parts.
-        name: name of the gait, for the motion file.
-        progress: called with samples done and samples in all by the IK.
-        start: joint angles (n,) that the IK begins from [rad]; None: the half-sitting posture.
+        gait: the gait, which may not be a sequence: each part of a sequence has its own stages.
+        name: name of the gait in the motion file.
+        progress: called with the number of samples that the IK has done, and with that of all.
+        start: joint angles (n,) that the IK starts from [rad]; None: the half-sitting posture.
 
     Raises:
-        ConfigError: values of the gait that do not fit each other or this robot.
-        InfeasibleGaitError: the robot cannot do it; names time, task or joint, and the remedy.
+        ConfigError: values of the gait do not fit each other or this robot.
+        InfeasibleGaitError: the robot cannot do it; the message names time, task or joint, and a
+            remedy in keys of this kind of gait.
     """
     if isinstance(gait, SequenceGait):
         raise TypeError("a sequence has no stages of its own; use mgs.pipeline.generate")
-    seconds: dict[str, float] = {}
     gait = for_robot(gait, robot)
+    with remedies_for(gait):
+        return _run(robot, gait, name, progress, start)
+
+
+def _run(
+    robot: Robot, gait: SingleGait, name: str, progress: Progress | None, start: Array | None
+) -> Stages:
+    seconds: dict[str, float] = {}
     plan = timed(seconds, "motion_planner", lambda: plan_motion(robot, gait))
+    if isinstance(plan, PosturePlan):
+        return _run_postures(robot, gait, name, plan, seconds)
     tasks = timed(seconds, "trajectory_planner", lambda: plan_trajectories(plan))
-    if not gait.is_balanced:
-        return _unbalanced(robot, gait, name, plan, tasks, seconds)
     if start is not None:
         tasks = dataclasses.replace(tasks, start=start)
     passes = Passes(robot, gait, tasks, seconds, progress)
@@ -91,30 +99,32 @@ def run_stages(
     return Stages(plan, tasks, com, joints, motion, seconds)
 
 
-def _unbalanced(
-    robot: Robot,
-    gait: SingleGait,
-    name: str,
-    plan: MotionPlan,
-    tasks: TaskTrajectory,
-    seconds: dict[str, float],
+def _run_postures(
+    robot: Robot, gait: SingleGait, name: str, plan: PosturePlan, seconds: dict[str, float]
 ) -> Stages:
-    """Joint postures alone: what bears the robot on the way is not known, hence no torques.
+    """Stages of a motion without balance, of which only the joint angles are planned.
 
-    For the eye the base turns from where it lies to upright, the robot's lowest point on the
-    ground. All references are what the joints do.
+    Which contacts carry the robot on the way is not known, so that torques are left at zero. For
+    viewers the lowest point of the robot is put on the ground. References are what the joints do.
     """
-    assert plan.keys is not None and plan.keys.base is not None and tasks.posture is not None
-    joints = JointTrajectory(tasks.posture)
-    rise = quintic(np.arange(tasks.n_samples) / (tasks.n_samples - 1))
-    turns = slerp(plan.keys.base, robot.standing_q[3:FLOATING_BASE_NQ], rise)
-    q = place_lowest(robot, joints.angles, turns)
-    body = timed(seconds, "dynamics", lambda: analyse(robot, q, tasks.dt, tasks.load_left))
+    n = plan.n_samples
+    planned = timed(seconds, "trajectory_planner", lambda: plan_posture_trajectory(plan))
+    q = place_lowest(robot, planned.angles, planned.base)
+    equal_load = np.full(n, 0.5)
+    body = timed(seconds, "dynamics", lambda: analyse(robot, q, plan.dt, equal_load))
     body = dataclasses.replace(body, torque=np.zeros_like(body.torque), zmp=body.com[:, :2].copy())
-    com = follow_com(body.com, tasks.dt)
-    tasks = dataclasses.replace(
-        tasks, soles=body.soles, zmp_ref=body.zmp, com=body.com, com_height=body.com[:, 2],
-        torso_asked=False,
-    )  # fmt: skip
+    tasks = TaskTrajectory(
+        dt=plan.dt,
+        support=np.full(n, Support.DOUBLE, np.int8),
+        root=np.full(n, Side.LEFT, np.int8),
+        zmp_ref=body.zmp,
+        load_left=equal_load,
+        soles=body.soles,
+        hands=np.full((n, 2, 3), np.nan),
+        com_height=body.com[:, 2],
+        torso=body.torso[:, 3:],
+        com=body.com,
+    )
+    com, joints = follow_com(body.com, plan.dt), JointTrajectory(planned.angles)
     motion = assemble(robot, gait, name, plan, tasks, com, joints, body)
     return Stages(plan, tasks, com, joints, motion, seconds)

@@ -20,6 +20,7 @@ from mgs.core.arrays import Array
 from mgs.core.contact import Side
 from mgs.report.canvas import SIDE_COLOURS
 from mgs.robot import Robot, shape_corners
+from mgs.robot.limbs import joint_chain
 
 TRUNK_COLOUR, GHOST_COLOUR = "0.72", "0.6"
 # of `UNIT_CORNERS` those of each face, counter-clockwise seen from outside
@@ -137,7 +138,6 @@ def _limb_joints(robot: Robot, side: Side) -> set[int]:
 
     def moving(which: Side) -> set[int]:
         frames = (robot.sole_frames[which], robot.hand_frames[which])
-        ends = [robot.model.frames[frame].parentJoint for frame in frames]
-        return {int(joint) for end in ends for joint in robot.model.supports[end]}
+        return {joint for frame in frames for joint in joint_chain(robot, frame)}
 
     return moving(side) - moving(side.other)

@@ -1,4 +1,7 @@
-"""Joints of each limb, and the length of the legs."""
+"""Joints of the limbs and lengths of the legs.
+
+Joints are numbers of Pinocchio's model, in which 0 is the world and 1 the floating base.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NV
 from mgs.core.contact import Side
 from mgs.robot.robot import Robot
@@ -15,46 +19,79 @@ from mgs.robot.robot import Robot
 Mask = NDArray[np.bool_]
 
 
+def joints_to(model: pin.Model, joint: int) -> list[int]:
+    """Joints from the floating base, which is left out, to a joint, which is the last of them."""
+    return [int(supporting) for supporting in model.supports[joint]][2:]
+
+
+def joint_chain(robot: Robot, tip: int, root: int | None = None) -> list[int]:
+    """Joints that move the frame `tip` but not the frame `root`, from the trunk to the tip.
+
+    Without a root these are all joints between the floating base and the tip.
+    """
+    model = robot.model
+    trunk = [] if root is None else joints_to(model, model.frames[root].parentJoint)
+    chain = joints_to(model, model.frames[tip].parentJoint)
+    return [joint for joint in chain if joint not in trunk]
+
+
 def leg_joints(robot: Robot, side: Side) -> list[int]:
-    """Pinocchio joint ids of a leg: the joints that the other leg does not share."""
-    own, other = (
-        [int(joint) for joint in robot.model.supports[robot.model.frames[frame].parentJoint]]
-        for frame in (robot.sole_frames[side], robot.sole_frames[side.other])
-    )
-    return [joint for joint in own if joint not in other]
+    """Joints of a leg, from the first one that the other leg does not share to the sole."""
+    return joint_chain(robot, robot.sole_frames[side], robot.sole_frames[side.other])
 
 
-def leg_length(robot: Robot) -> float:
-    """Length of the stretched left leg along its joints, from the first joint to the sole [m]."""
-    frame = robot.model.frames[robot.sole_frames[Side.LEFT]]
-    steps = [robot.model.jointPlacements[j].translation for j in leg_joints(robot, Side.LEFT)[1:]]
-    steps.append(frame.placement.translation)
+def arm_joints(robot: Robot, side: Side) -> list[int]:
+    """Joints between the torso and a hand."""
+    return joint_chain(robot, robot.hand_frames[side], robot.torso_frame)
+
+
+def leg_mask(robot: Robot) -> Mask:
+    """Mask (n,) of the joints between the base and the soles."""
+    left, right = (joint_chain(robot, frame) for frame in robot.sole_frames)
+    return _mask(robot, [*left, *right])
+
+
+def arm_mask(robot: Robot, side: Side) -> Mask:
+    """Mask (n,) of the joints between the torso and a hand."""
+    return _mask(robot, arm_joints(robot, side))
+
+
+def _mask(robot: Robot, joints: list[int]) -> Mask:
+    mask = np.zeros(robot.n, dtype=np.bool_)
+    mask[[robot.model.idx_vs[joint] - FLOATING_BASE_NV for joint in joints]] = True
+    return mask
+
+
+def stretched_length(model: pin.Model, joints: list[int], tip: Array | None = None) -> float:
+    """Length of a stretched limb from its first joint to its last one [m].
+
+    With a point `tip` (3,) in the frame of the last joint, the limb ends there.
+    """
+    steps = [model.jointPlacements[joint].translation for joint in joints[1:]]
+    steps += [] if tip is None else [tip]
     return float(sum(np.linalg.norm(step) for step in reversed(steps)))
 
 
+def leg_length(robot: Robot) -> float:
+    """Length of the stretched left leg from the hip to the sole [m].
+
+    It stands for the size of the robot: lengths of gaits go with it.
+    """
+    sole = robot.model.frames[robot.sole_frames[Side.LEFT]].placement.translation
+    return stretched_length(robot.model, leg_joints(robot, Side.LEFT), sole)
+
+
+def hip_to_ankle_length(robot: Robot) -> float:
+    """Length of the shorter stretched leg from the first to the last of its joints [m].
+
+    The ankle can be no farther from the hip: what bounds the height of the CoM on stairs.
+    """
+    return min(stretched_length(robot.model, leg_joints(robot, side)) for side in Side)
+
+
 def midpoint_width(robot: Robot) -> float:
-    """Distance of the sole centres in the half-sitting posture [m]."""
+    """Horizontal distance of the sole centres in the half-sitting posture [m]."""
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.standing_q)
     left, right = (data.oMf[frame].translation for frame in robot.sole_frames)
     return float(math.hypot(*(left - right)[:2]))
-
-
-def leg_mask(robot: Robot) -> Mask:
-    """Mask (n,) of the joints between base and soles."""
-    left, right = (_joints_to(robot, frame) for frame in robot.sole_frames)
-    return left | right
-
-
-def arm_mask(robot: Robot, side: Side) -> Mask:
-    """Mask (n,) of the joints between torso and one hand."""
-    return _joints_to(robot, robot.hand_frames[side]) & ~_joints_to(robot, robot.torso_frame)
-
-
-def _joints_to(robot: Robot, frame: int) -> Mask:
-    mask = np.zeros(robot.n, dtype=np.bool_)
-    joint = robot.model.frames[frame].parentJoint
-    while joint > 1:  # 1 is the floating base
-        mask[robot.model.idx_vs[joint] - FLOATING_BASE_NV] = True
-        joint = robot.model.parents[joint]
-    return mask

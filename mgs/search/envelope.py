@@ -21,7 +21,7 @@ from mgs.core.progress import Progress
 from mgs.gait import ComParameters, IkParameters, WalkGait, WalkParameters
 from mgs.judge.motion_checks import Check, check_motion
 from mgs.judge.verdict import replay_checks
-from mgs.motion_planner.walk import MIN_PHASE_SAMPLES
+from mgs.motion_planner.phases import MIN_SAMPLES
 from mgs.pipeline import run_stages
 from mgs.robot import Robot, leg_length
 from mgs.sim import EngineName, ServoName, replay
@@ -146,7 +146,7 @@ def with_step(gait: WalkGait, step_time: float, step_length: float) -> WalkGait:
 def _phases(gait: WalkGait, step_time: float) -> dict[str, float]:
     walk = gait.walk
     share = walk.single_support / (walk.single_support + walk.double_support)
-    least = MIN_PHASE_SAMPLES * gait.dt
+    least = MIN_SAMPLES * gait.dt
     single = round(share * step_time / gait.dt) * gait.dt
     single = round(max(min(single, step_time - least), least), 9)
     return {"single_support": single, "double_support": round(step_time - single, 9)}
@@ -215,7 +215,7 @@ def _map(
 
 
 def _check_time(gait: WalkGait, step_time: float) -> None:
-    least = 2 * MIN_PHASE_SAMPLES * gait.dt
+    least = 2 * MIN_SAMPLES * gait.dt
     if step_time < least - 1e-9:
         raise ConfigError("--times", f"{step_time:g} s is too short a step; {least:g} s at least")
 

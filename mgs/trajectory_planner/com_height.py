@@ -1,8 +1,8 @@
-"""The height of the CoM above uneven ground: as high as asked, as low as the legs need.
+"""The height of the CoM above uneven ground: as high as asked, and as low as the legs need.
 
-A hip is taken to be where it is at rest above the ZMP, which the CoM follows: when a foot is about
-to lift off, far behind, the CoM has not come as far ahead as the ZMP, so that there is room to
-spare.
+The hips are assumed to stand above the ZMP as they stand above the CoM at rest. The CoM follows the
+ZMP: when the rear foot is about to lift off, the CoM is less far ahead of it than the ZMP, so that
+the legs need less length than assumed.
 """
 
 from __future__ import annotations
@@ -14,21 +14,21 @@ from mgs.core.contact import Side
 from mgs.core.geometry import rotate_planar
 from mgs.motion_planner.motion_plan import LegReach
 
-SMOOTHING = 0.4  # [s] over which the height changes
-N_SMOOTHINGS = 3  # by moving averages: the more, the more often differentiable
+SMOOTHING = 0.4  # duration over which a change of height is spread [s]
+N_SMOOTHINGS = 3  # moving averages in a row: each makes the height once more differentiable
 
 
 def height_within_reach(
     asked: Array, zmp: Array, soles: Array, heading: Array, reach: LegReach, dt: float
 ) -> Array:
-    """Height (N,) of the CoM, at most as asked (N,), at which both ankles are within reach.
+    """Height (N,) of the CoM, at most the one asked for, at which both ankles are in reach [m].
 
     Args:
-        asked: heights (N,) [m].
-        zmp: where the CoM will be, about (N, 2) [m].
-        soles: x, y, yaw (N, 2, 3) and, in `soles[..., 3]`, the height of both soles [m].
-        heading: (N,) of the body [rad].
-        reach: of the legs.
+        asked: heights (N,) asked for [m].
+        zmp: ZMP (N, 2), which the CoM follows [m].
+        soles: x, y [m], yaw [rad] and height [m] of both soles (N, 2, 4).
+        heading: direction (N,) that the body faces [rad].
+        reach: largest distance of ankles and hips.
         dt: sampling period [s].
     """
     from scipy.ndimage import minimum_filter1d, uniform_filter1d  # slow to import, rarely needed
@@ -43,7 +43,7 @@ def height_within_reach(
         ankle_height = sole[:, 3] + reach.ankles[side, 2]
         limit = np.minimum(limit, ankle_height + rise - reach.hips[side, 2])
     width = 2 * max(1, round(0.5 * SMOOTHING / (N_SMOOTHINGS * dt))) + 1
-    # an average of least values over the same span stays below what it is an average of
+    # averages of the minimum over the same span cannot exceed the limit
     height = minimum_filter1d(limit, N_SMOOTHINGS * (width - 1) + 1, mode="nearest")
     for _ in range(N_SMOOTHINGS):
         height = uniform_filter1d(height, width, mode="nearest")

@@ -1,22 +1,24 @@
-"""The choice of the trajectory planner by the kind of plan."""
+"""The choice of the trajectory planner by the type of plan."""
 
 from __future__ import annotations
 
-from mgs.motion_planner import MotionPlan
+from mgs.motion_planner import BalancePlan, KeyframePlan, WalkPlan
 from mgs.trajectory_planner.balance import plan_balance_trajectories
 from mgs.trajectory_planner.keys import plan_key_trajectories
 from mgs.trajectory_planner.task_trajectory import TaskTrajectory
 from mgs.trajectory_planner.walk import plan_walk_trajectories
 
 
-def plan_trajectories(plan: MotionPlan) -> TaskTrajectory:
-    """Stage 2: trajectories of ZMP, soles, hands and torso for a plan.
+def plan_trajectories(plan: WalkPlan | BalancePlan | KeyframePlan) -> TaskTrajectory:
+    """Stage 2: references of ZMP, soles, hands, torso and CoM height for a motion in balance.
+
+    A `PosturePlan` has no such references; `plan_posture_trajectory` plans its joint angles.
 
     Raises:
-        InfeasibleGaitError: the CoM is asked to go where it cannot be carried.
+        ComOutsideFeetError: the CoM is asked to go sideways beyond both feet.
     """
-    if plan.body is not None:
-        return plan_balance_trajectories(plan, plan.body)
-    if plan.keys is not None:
-        return plan_key_trajectories(plan, plan.keys)
-    return plan_walk_trajectories(plan)
+    if isinstance(plan, WalkPlan):
+        return plan_walk_trajectories(plan)
+    if isinstance(plan, BalancePlan):
+        return plan_balance_trajectories(plan)
+    return plan_key_trajectories(plan)

@@ -1,4 +1,4 @@
-"""The product of stage 2."""
+"""The products of stage 2."""
 
 from __future__ import annotations
 
@@ -11,24 +11,31 @@ from mgs.core.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)
-class TaskTrajectory:
-    """Stage 2: references at every sample; world frame, first axis time, then (left, right)."""
+class PreferredPosture:
+    """Joint angles that inverse kinematics shall come near to."""
 
-    dt: float  # [s]
+    angles: Array  # (N, n) [rad]
+    held: NDArray[np.bool_]  # (n,) joints that follow their angles before any other task
+
+
+@dataclass(frozen=True, eq=False)
+class TaskTrajectory:
+    """References of all tasks at every sample; world frame, first axis time, then (left, right)."""
+
+    dt: float  # sampling period [s]
     support: NDArray[np.int8]  # (N,) values of Support
-    root: NDArray[np.int8]  # (N,) Side of the sole that the IK stands on
-    zmp_ref: Array  # (N, 2)
+    root: NDArray[np.int8]  # (N,) Side of the sole that inverse kinematics starts from
+    zmp_ref: Array  # (N, 2) [m]
     load_left: Array  # (N,) share of the weight on the left sole, 0 to 1
-    soles: Array  # (N, 2, 7) x, y, z, quaternion xyzw
-    hands: Array  # (N, 2, 3) from the CoM, world axes; NaN: nothing is asked of this hand
-    com_height: Array  # (N,)
-    torso: Array  # (N, 4) quaternion xyzw; a preference only unless `torso_asked`
+    soles: Array  # (N, 2, 7) x, y, z [m], quaternion xyzw
+    hands: Array  # (N, 2, 3) from the CoM, world axes [m]; NaN: this hand is free
+    com_height: Array  # (N,) [m]
+    torso: Array  # (N, 4) quaternion xyzw; only a preference unless `torso_asked`
     torso_asked: bool = False
-    com: Array | None = None  # (N, 3) where the CoM itself is asked for; None: by the ZMP
-    start: Array | None = None  # (n,) joint angles begun from [rad]; None: half-sitting posture
-    posture: Array | None = None  # (N, n) joint angles to prefer [rad]; None: half-sitting
-    held: NDArray[np.bool_] | None = None  # (n,) joints that follow `posture` before all else
-    payload: Array | None = None  # (N, 2) in the hands [kg]; None: none
+    com: Array | None = None  # (N, 3) CoM asked for [m]; None: stage 3 derives it from the ZMP
+    start: Array | None = None  # (n,) joint angles at the start [rad]; None: half-sitting
+    posture: PreferredPosture | None = None  # None: half-sitting at every sample, no joint held
+    payload: Array | None = None  # (N, 2) masses in the hands [kg]; None: no payload
 
     @property
     def n_samples(self) -> int:
@@ -37,6 +44,15 @@ class TaskTrajectory:
 
     @property
     def hands_asked(self) -> tuple[bool, bool]:
-        """Whether anything is asked of the left and of the right hand."""
+        """Whether there is a reference for the left and for the right hand."""
         left, right = np.isfinite(self.hands[0]).all(axis=1)
         return bool(left), bool(right)
+
+
+@dataclass(frozen=True, eq=False)
+class PostureTrajectory:
+    """Joint angles and the orientation of the base at every sample of a motion without balance."""
+
+    dt: float  # sampling period [s]
+    angles: Array  # (N, n) [rad]
+    base: Array  # (N, 4) quaternion xyzw

@@ -1,10 +1,10 @@
-"""A walk: what soles, hands and ZMP shall do at every sample.
+"""Trajectories of a walk or a kick: soles, hands, torso, ZMP and CoM height.
 
-The ZMP rests at a place inside the support sole and moves to the next one by a minimum-jerk blend
-while both soles are down. A swing sole follows the same blend along the ground and a bump of
+The ZMP rests at one place inside the support sole and moves to the next sole by a minimum-jerk
+blend while both soles are down. A swing sole follows the same blend along the ground and a bump of
 step_height above it, so that it lifts off and lands without speed or acceleration. With a landing
-it is over its footstep earlier and comes straight down the last bit at a third of step_height per
-single support: a sole that meets the ground before its time then neither scuffs nor hits it fast.
+it arrives above its footstep earlier and comes straight down at the end, by a third of step_height
+per single support: a sole that meets the ground too early then neither scuffs nor hits it fast.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ from mgs.core.arrays import Array
 from mgs.core.contact import Side, Support
 from mgs.core.curves import evaluate
 from mgs.core.geometry import bump, quat_multiply, quat_xyzw_from_yaw, quintic, rotate_planar
-from mgs.motion_planner import MotionPlan, Phase
+from mgs.motion_planner import Phase, WalkPlan
 from mgs.trajectory_planner.com_height import height_within_reach
 from mgs.trajectory_planner.task_trajectory import TaskTrajectory
 
-LANDING_SPEED = 1.0 / 3.0  # on average, in step heights per single support
+LANDING_SPEED = 1.0 / 3.0  # mean speed of a landing, in step heights per single support
 
 
-def plan_walk_trajectories(plan: MotionPlan) -> TaskTrajectory:
-    """Trajectories of ZMP, soles and hands for a walk."""
+def plan_walk_trajectories(plan: WalkPlan) -> TaskTrajectory:
+    """Trajectories of a walk, of stairs or of a kick."""
     n = plan.n_samples
     support, root = np.empty(n, np.int8), np.empty(n, np.int8)
     planar, height = np.empty((n, 2, 3)), np.zeros((n, 2))
     zmp, load_left = np.empty((n, 2)), np.empty(n)
     poses = [np.array([f.x, f.y, f.yaw]) for f in plan.footsteps]
     heights = np.array([f.z for f in plan.footsteps])
-    load = 0.5  # at rest both soles carry the same
+    load = 0.5  # at rest each sole carries half of the weight
     for phase, before, following, side in zip(
         plan.phases,
         [None, *plan.phases[:-1]],
@@ -75,17 +75,18 @@ def plan_walk_trajectories(plan: MotionPlan) -> TaskTrajectory:
 
 
 def _zmp_way(
-    plan: MotionPlan,
+    plan: WalkPlan,
     side: Side,
     phase: Phase,
     before: Phase | None,
     following: Phase | None,
     blend: Array,
 ) -> Array:
-    """Where the ZMP would be if one sole carried everything (2,) or, with travel, (k, 2).
+    """Place of the ZMP if one sole carried the whole weight: (2,), or (k, 2) with travel [m].
 
-    It travels from heel to toe in single support. In double support a sole that has carried keeps
-    it at its toe, one that is about to carry at its heel, and one that rests in the middle.
+    It travels from heel to toe in single support. In double support it stays at the toe of a sole
+    that has just carried the robot, at the heel of one that is about to carry it, and in the middle
+    of a sole at rest.
     """
     footstep, (forward, inward) = plan.footsteps[phase.feet[side]], plan.zmp_offset
     place = np.array([forward, -side.sign * inward])
@@ -100,9 +101,10 @@ def _zmp_way(
 def _travelled(
     side: Side, phase: Phase, before: Phase | None, following: Phase | None
 ) -> tuple[float, float]:
-    """Where the ZMP of a sole begins and ends a phase: -1/2 at the heel, 1/2 at the toe.
+    """Places of the ZMP in a sole at the start and at the end of a phase.
 
-    Without a share of the load it may be anywhere: a sole that has none keeps to the other end.
+    The unit is the travel: -1/2 is the heel and 1/2 the toe. At an end where the sole carries no
+    weight the place has no effect; there the place of the other end is kept.
     """
     heel, toe, single = -0.5, 0.5, Support.single(side)
     if phase.support is not Support.DOUBLE:
@@ -117,14 +119,14 @@ def _travelled(
     return begin, begin if end is None else end
 
 
-def _level(plan: MotionPlan, heights: Array) -> Array:
-    """Height (N,) of the ground below the CoM: from one mean of the soles to the next."""
+def _level(plan: WalkPlan, heights: Array) -> Array:
+    """Height (N,) of the ground below the CoM [m]: blends between mean heights of the soles."""
     level, now = np.empty(plan.n_samples), float(heights[:2].mean())
     start = 0
     for phase in plan.phases:
         if phase.target is None:
             continue
-        begin = phase.start if start == 0 else start  # lifts off from rest at the first step
+        begin = phase.start if start == 0 else start  # before the first step nothing changes
         following = float(heights[[phase.target, phase.feet[phase.support - 1]]].mean())
         level[start:begin] = now
         span = np.arange(phase.end - begin) / (phase.end - begin)
@@ -135,7 +137,7 @@ def _level(plan: MotionPlan, heights: Array) -> Array:
 
 
 def _roots(phases: tuple[Phase, ...]) -> list[Side]:
-    """The sole that the IK stands on: the support side, in double support already the next one."""
+    """Sole that inverse kinematics starts from: the one of this or the next single support."""
     roots: list[Side] = []
     upcoming: Side | None = None
     for phase in reversed(phases):
@@ -146,24 +148,22 @@ def _roots(phases: tuple[Phase, ...]) -> list[Side]:
 
 
 def _last_single(phases: tuple[Phase, ...]) -> Side:
-    """Side of the last single support; left where there is none."""
+    """Support side of the last single support; left where there is none."""
     singles = [p.support.sides[0] for p in phases if p.support is not Support.DOUBLE]
     return singles[-1] if singles else Side.LEFT
 
 
-def _load_at_end(plan: MotionPlan, phase: Phase, following: Phase | None, load: float) -> float:
-    """Share of the left sole when a phase ends."""
+def _load_at_end(plan: WalkPlan, phase: Phase, following: Phase | None, load: float) -> float:
+    """Share of the weight on the left sole at the end of a phase."""
     if phase.support is not Support.DOUBLE or phase is plan.phases[0]:
         return load
     if following is None or following.support is Support.DOUBLE:
-        return 0.5  # the last shift ends, and the lead-out rests, midway
+        return 0.5  # the last weight shift leads to the middle, where the lead-out rests
     return 1.0 if following.support is Support.LEFT else 0.0
 
 
-def _swing(
-    plan: MotionPlan, phase: Phase, poses: list[Array], planar: Array, height: Array
-) -> None:
-    """Fill planar pose and height of the swing sole over one single support."""
+def _swing(plan: WalkPlan, phase: Phase, poses: list[Array], planar: Array, height: Array) -> None:
+    """Fill in planar pose and height of the swing sole over one single support."""
     assert phase.target is not None
     swing = plan.footsteps[phase.target].side
     s = np.arange(phase.end - phase.start) / (phase.end - phase.start)
@@ -179,7 +179,7 @@ def _swing(
 
 
 def _swing_height(s: Array, landing: float) -> Array:
-    """Height (N,) of the swing sole over its step height at parts s (N,) of a single support."""
+    """Height (N,) of the swing sole in step heights at parts s (N,) of a single support."""
     if landing == 0.0:
         return bump(s)
     above, low = 1.0 - landing, LANDING_SPEED * landing
@@ -189,21 +189,22 @@ def _swing_height(s: Array, landing: float) -> Array:
 
 
 def _sole_poses(planar: Array, height: Array) -> Array:
+    """Poses (N, 2, 7) of level soles from x, y, yaw (N, 2, 3) and z (N, 2)."""
     return np.concatenate(
         [planar[..., :2], height[..., None], quat_xyzw_from_yaw(planar[..., 2])], axis=-1
     )
 
 
-def _hands(plan: MotionPlan, planar: Array) -> Array:
-    """Hands at constant offsets from the CoM, turned with the mean yaw of the soles.
+def _hands(plan: WalkPlan, planar: Array) -> Array:
+    """Hands (N, 2, 3) at constant offsets from the CoM, turned with the mean yaw of the soles [m].
 
-    With arm swing each moves ahead and back as the opposite foot does.
+    With arm swing each hand moves forward and back with the opposite foot.
     """
     heading = planar[..., 2].mean(axis=1)
     hands = np.empty((plan.n_samples, 2, 3))
     hands[..., 2] = plan.hand_offsets[:, 2]
     apart = planar[:, Side.LEFT, :2] - planar[:, Side.RIGHT, :2]
-    ahead = rotate_planar(apart, -heading)[:, 0]  # of the left foot
+    ahead = rotate_planar(apart, -heading)[:, 0]  # way of the left foot past the right one
     for side in Side:
         offset = np.repeat(plan.hand_offsets[side, None, :2], plan.n_samples, axis=0)
         offset[:, 0] -= 0.5 * side.sign * plan.arm_swing * ahead
@@ -211,6 +212,6 @@ def _hands(plan: MotionPlan, planar: Array) -> Array:
     return hands
 
 
-def _torso(plan: MotionPlan, planar: Array) -> Array:
-    """As at rest, turned with the mean yaw of the soles."""
+def _torso(plan: WalkPlan, planar: Array) -> Array:
+    """Orientation (N, 4) of the torso: that at rest, turned with the mean yaw of the soles."""
     return quat_multiply(quat_xyzw_from_yaw(planar[..., 2].mean(axis=1)), plan.torso)

@@ -1,4 +1,4 @@
-"""Errors carry their data, tell a remedy, and survive the way between processes."""
+"""Errors carry their data, end with their remedy, and can be sent to another process."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import pytest
 
 from mgs.core import errors
 from mgs.core.errors import (
+    ComOutsideFeetError,
     ConfigError,
     CycleError,
     DivergenceError,
@@ -16,6 +17,7 @@ from mgs.core.errors import (
     InfeasibleGaitError,
     InputError,
     JointLimitError,
+    JointSpeedError,
     MgsError,
     MotionFileError,
     OutputExistsError,
@@ -29,9 +31,11 @@ EXAMPLES = [
     ConfigError("a.yaml", ["dt: missing", "walk: missing"]),
     MotionFileError("a.mcap", "truncated"),
     InfeasibleGaitError("something"),
-    FootstepError(2, 3, -0.004, "try a larger step_width"),
+    FootstepError(2, 3, -0.004, 0.056),
+    ComOutsideFeetError(0.2),
     IkError(1.25, "CoM", 3e-3, 2e-4, "m"),
     JointLimitError(1.25, "left_knee_pitch", -0.1, 0.0, 2.2),
+    JointSpeedError(1.25, "left_knee_pitch", 7.5, 6.0),
     SeamError("sequence.parts.1 (walk)", "the CoM is 0.007 m off", "let both agree"),
     CycleError("no two steps"),
     SimulationError("no engine"),
@@ -63,9 +67,47 @@ def test_an_error_is_the_same_after_a_journey_to_another_process(error: MgsError
     assert vars(copy) == vars(error)
 
 
-def test_messages_say_where_and_by_how_much():
-    assert str(FootstepError(2, 3, -0.004, "x")) == "footsteps 2 and 3 overlap by 4.0 mm; x"
-    assert "t = 1.250 s: CoM is 0.003 m off, 0.0002 m allowed" in str(EXAMPLES[6])
-    message = str(JointLimitError(1.25, "knee", -0.1, 0.0, 2.2))
-    assert "joint knee at -0.1000 rad is 0.1000 rad outside its range [0.0000, 2.2000]" in message
-    assert "is 0.3000 rad outside" in str(JointLimitError(0.0, "knee", 2.5, 0.0, 2.2))
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        (
+            FootstepError(2, 3, -0.004, 0.056),
+            "footsteps 2 and 3 overlap by 4.0 mm; their centres are 0.056 m apart",
+        ),
+        (
+            ComOutsideFeetError(0.2),
+            "the CoM is asked to go 0.200 m sideways from the middle, beyond both feet",
+        ),
+        (
+            IkError(1.25, "CoM", 3e-3, 2e-4, "m"),
+            "t = 1.250 s: CoM is 0.003 m off, 0.0002 m allowed",
+        ),
+        (
+            JointLimitError(1.25, "knee", -0.1, 0.0, 2.2),
+            "t = 1.250 s: joint knee at -0.1000 rad is 0.1000 rad outside its range "
+            "[0.0000, 2.2000] rad",
+        ),
+        (
+            JointLimitError(0.0, "knee", 2.5, 0.0, 2.2),
+            "t = 0.000 s: joint knee at 2.5000 rad is 0.3000 rad outside its range "
+            "[0.0000, 2.2000] rad",
+        ),
+        (
+            JointSpeedError(1.25, "knee", 7.5, 6.0),
+            "t = 1.250 s: joint knee would have to move at 7.50 rad/s, but its servo reaches "
+            "6.00 rad/s",
+        ),
+    ],
+)
+def test_a_message_states_time_place_and_size_and_no_remedy(error: MgsError, message: str):
+    assert str(error) == message
+    assert error.remedy == ""
+
+
+@pytest.mark.parametrize("error", EXAMPLES, ids=lambda error: type(error).__name__)
+def test_a_remedy_ends_the_message_also_in_another_process(error: MgsError):
+    told = pickle.loads(pickle.dumps(error))
+    told.remedy = "use another robot"
+    for copy in (told, pickle.loads(pickle.dumps(told))):
+        assert str(copy).endswith("; use another robot")
+        assert str(copy).startswith(error.args[0])

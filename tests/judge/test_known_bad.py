@@ -25,7 +25,7 @@ from mgs.ik_solver import solve_ik
 from mgs.judge.motion_checks import check_motion
 from mgs.motion import Motion
 from mgs.motion_file import write_motion
-from mgs.motion_planner import MotionPlan, plan_motion
+from mgs.motion_planner import WalkPlan, plan_motion
 from mgs.pipeline import assemble
 from mgs.robot import Robot, build_robot, load_robot
 from mgs.sim import available_engines
@@ -41,7 +41,7 @@ class Draft:
 
     robot: Robot
     gait: WalkGait
-    plan: MotionPlan
+    plan: WalkPlan
     tasks: TaskTrajectory
     com: ComTrajectory
 
@@ -53,7 +53,7 @@ class Draft:
         return assemble(self.robot, self.gait, "bad", self.plan, tasks, com, joints)
 
 
-def draft(plan_change: Callable[[MotionPlan], MotionPlan] = lambda plan: plan) -> Draft:
+def draft(plan_change: Callable[[WalkPlan], WalkPlan] = lambda plan: plan) -> Draft:
     robot = load_robot("melson")
     plan = plan_change(plan_motion(robot, GAIT))
     tasks = plan_trajectories(plan)
@@ -128,7 +128,7 @@ def too_fast(good: Motion) -> Motion:
 def self_collision() -> Motion:
     """The hands are kept 3 cm lower and farther in, in the hips."""
 
-    def inward(plan: MotionPlan) -> MotionPlan:
+    def inward(plan: WalkPlan) -> WalkPlan:
         offset = np.array([[0.0, -0.03, -0.03], [0.0, 0.03, -0.03]])
         return dataclasses.replace(plan, hand_offsets=plan.hand_offsets + offset)
 
@@ -237,7 +237,9 @@ def test_a_step_too_long_for_the_leg_ends_in_an_error_and_no_file(tmp_path: Path
     ]
     result = CliRunner().invoke(main, arguments)
     assert result.exit_code == 1
-    assert re.search(r"t = \d+\.\d+ s: .* off, .* allowed; .*shorter step_length", result.stderr)
+    assert re.search(
+        r"t = \d+\.\d+ s: .* off, .* allowed; .*shorter walk\.step_length", result.stderr
+    )
     assert list(tmp_path.iterdir()) == []
 
 

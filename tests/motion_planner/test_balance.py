@@ -13,10 +13,10 @@ from numpy.testing import assert_allclose
 from mgs.core.contact import Side, Support
 from mgs.core.errors import ConfigError
 from mgs.gait import BalanceGait
-from mgs.motion_planner import MotionPlan, plan_motion
-from mgs.motion_planner.motion_plan import BodyPlan
+from mgs.motion_planner import BalancePlan, plan_motion
 from mgs.motion_planner.standing import standing_figures
 from mgs.robot import Robot, load_robot
+from mgs.trajectory_planner import plan_trajectories
 from tests.support.strategies import balance_gait, balances, constant, figure_eight, sine
 
 MELSON = load_robot("melson")
@@ -36,9 +36,10 @@ def standing(robot: Robot) -> pin.Data:
     return data
 
 
-def body_of(plan: MotionPlan) -> BodyPlan:
-    assert plan.body is not None
-    return plan.body
+def plan_of(gait: BalanceGait) -> BalancePlan:
+    plan = plan_motion(MELSON, gait)
+    assert type(plan) is BalancePlan
+    return plan
 
 
 @pytest.mark.parametrize("name", ["melson", "coman", "coman_legs"])
@@ -57,10 +58,9 @@ def test_the_figures_of_the_standing_robot_are_those_of_its_forward_kinematics(n
 
 @given(balances())
 def test_both_feet_stay_where_they_stand_for_the_whole_motion(gait: BalanceGait):
-    plan = plan_motion(MELSON, gait)
-    (phase,) = plan.phases
-    assert (phase.start, phase.end, phase.support) == (0, plan.n_samples, Support.DOUBLE)
-    assert (phase.feet, phase.target, plan.step_height) == ((0, 1), None, 0.0)
+    plan = plan_of(gait)
+    support = plan_trajectories(plan).support
+    assert len(support) == plan.n_samples and (support == Support.DOUBLE).all()
     seconds = (plan.n_samples - 1) * plan.dt
     assert seconds == pytest.approx(gait.balance.duration, abs=0.5 * plan.dt + 1e-9)
     data = standing(MELSON)
@@ -72,36 +72,29 @@ def test_both_feet_stay_where_they_stand_for_the_whole_motion(gait: BalanceGait)
 
 @given(balances())
 def test_rests_and_eases_last_as_long_as_asked_and_leave_something_between(gait: BalanceGait):
-    plan = plan_motion(MELSON, gait)
-    body = body_of(plan)
-    assert body.start == plan.n_samples - 1 - body.end
-    assert body.start * gait.dt == pytest.approx(gait.balance.rest, abs=0.5 * gait.dt + 1e-9)
-    assert body.ease * gait.dt == pytest.approx(gait.balance.ease, abs=0.5 * gait.dt + 1e-9)
-    assert 0 <= body.start < body.end < plan.n_samples
-    assert body.ease >= 1
+    plan = plan_of(gait)
+    assert plan.start == plan.n_samples - 1 - plan.end
+    assert plan.start * gait.dt == pytest.approx(gait.balance.rest, abs=0.5 * gait.dt + 1e-9)
+    assert plan.ease * gait.dt == pytest.approx(gait.balance.ease, abs=0.5 * gait.dt + 1e-9)
+    assert 0 <= plan.start < plan.end < plan.n_samples
+    assert plan.ease >= 1
 
 
 def test_only_hands_with_a_channel_are_asked_for():
-    data = standing(MELSON)
-    right = data.oMf[MELSON.hand_frames[Side.RIGHT]].translation
+    right = standing(MELSON).oMf[MELSON.hand_frames[Side.RIGHT]].translation
     for channel in (sine("right_hand_y", 0.01), figure_eight("right_hand", "yz", 0.02, 0.01)):
-        plan = plan_motion(MELSON, balance_gait(sine("com_x", 0.01), channel))
-        for hands, expected in (
-            (body_of(plan).hands, right),
-            (plan.hand_offsets, right - data.com[0]),
-        ):
-            assert np.isnan(hands[Side.LEFT]).all()
-            assert_allclose(hands[Side.RIGHT], expected, atol=1e-12)
-    plan = plan_motion(MELSON, balance_gait(sine("com_x", 0.01)))
-    assert np.isnan(plan.hand_offsets).all() and np.isnan(body_of(plan).hands).all()
+        hands = plan_of(balance_gait(sine("com_x", 0.01), channel)).hands
+        assert np.isnan(hands[Side.LEFT]).all()
+        assert_allclose(hands[Side.RIGHT], right, atol=1e-12)
+    assert np.isnan(plan_of(balance_gait(sine("com_x", 0.01))).hands).all()
 
 
 def test_com_z_adds_to_the_height_of_the_posture_or_to_the_one_that_is_given():
     height = standing(MELSON).com[0][2]
     for given_height, expected in ((None, height), (0.25, 0.25)):
-        plan = plan_motion(MELSON, balance_gait(sine("com_z", 0.01), com_height=given_height))
-        assert plan.com_height == body_of(plan).com_height == pytest.approx(expected, abs=1e-12)
-        assert_allclose(body_of(plan).com, standing(MELSON).com[0], atol=1e-12)
+        plan = plan_of(balance_gait(sine("com_z", 0.01), com_height=given_height))
+        assert plan.com_height == pytest.approx(expected, abs=1e-12)
+        assert_allclose(plan.com, standing(MELSON).com[0], atol=1e-12)
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
@@ -109,4 +102,5 @@ def test_a_hand_that_cannot_be_moved_against_the_torso_is_refused_by_name(side: 
     legs = load_robot("coman_legs")
     with pytest.raises(ConfigError, match=rf"balance\.channels: {side}_hand: coman_legs cannot"):
         plan_motion(legs, balance_gait(constant(f"{side}_hand_z", 0.01)))
-    assert plan_motion(legs, balance_gait(constant("torso_yaw", 0.01))).body is not None
+    plan = plan_motion(legs, balance_gait(constant("torso_yaw", 0.01)))
+    assert isinstance(plan, BalancePlan) and np.isnan(plan.hands).all()

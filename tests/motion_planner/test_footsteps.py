@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 
 from mgs.core.contact import Footstep, Side, Support
 from mgs.core.errors import ConfigError, InfeasibleGaitError
-from mgs.motion_planner import MotionPlan, plan_motion
+from mgs.motion_planner import WalkPlan, plan_motion
 from mgs.robot import load_robot
 from tests.support.strategies import numbers, walk_gait
 
@@ -29,7 +29,7 @@ steps_lists = st.lists(step, min_size=1, max_size=8)
 sides = st.sampled_from(["left", "right"])
 
 
-def plan(**walk: Any) -> MotionPlan:
+def plan(**walk: Any) -> WalkPlan:
     return plan_motion(MELSON, walk_gait(**{"n_steps": None, **walk}))
 
 

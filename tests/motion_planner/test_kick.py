@@ -14,7 +14,7 @@ from mgs.core.contact import Side, Support
 from mgs.core.errors import ConfigError, InfeasibleGaitError
 from mgs.core.geometry import yaw_from_quat_xyzw
 from mgs.gait import KickGait
-from mgs.motion_planner import MotionPlan, plan_motion
+from mgs.motion_planner import WalkPlan, plan_motion
 from mgs.pipeline import run_stages
 from mgs.robot import load_robot
 from mgs.trajectory_planner import plan_trajectories
@@ -27,7 +27,7 @@ def kick_gait(dt: float = 0.01, **kick: Any) -> KickGait:
     return KickGait.model_validate({"mgs": 1, "motion": "kick", "dt": dt, "kick": kick})
 
 
-def plan(**kick: Any) -> MotionPlan:
+def plan(**kick: Any) -> WalkPlan:
     return plan_motion(MELSON, kick_gait(**kick))
 
 

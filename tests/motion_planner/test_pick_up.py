@@ -129,8 +129,8 @@ def test_forces_of_a_still_robot_with_a_payload_are_in_balance(name: str):
 
 
 def test_the_left_hand_does_what_the_right_hand_does_in_the_mirror():
-    right = plan_motion(MELSON, pick_up_gait(object=[0.12, -0.1, 0.1])).keys
-    left = plan_motion(MELSON, pick_up_gait(hand="left", object=[0.12, 0.1, 0.1])).keys
+    right = plan_motion(MELSON, pick_up_gait(object=[0.12, -0.1, 0.1]))
+    left = plan_motion(MELSON, pick_up_gait(hand="left", object=[0.12, 0.1, 0.1]))
     names = MELSON.joint_names
     other = {"left": "right", "right": "left", "waist": "waist"}
     for j, name in enumerate(names):
@@ -145,9 +145,9 @@ def test_the_left_hand_does_what_the_right_hand_does_in_the_mirror():
 
 
 def test_both_hands_meet_the_object_from_either_side():
-    keys = plan_motion(MELSON, pick_up_gait(hand="both", object=[0.1, 0.0, 0.15], width=0.2)).keys
-    assert_allclose(keys.hands[2], [[0.1, 0.1, 0.15], [0.1, -0.1, 0.15]], atol=1e-12)
-    assert_allclose(keys.hands[1, :, 2] - keys.hands[2, :, 2], 0.15 * 0.2815, atol=1e-4)
+    hands = plan_motion(MELSON, pick_up_gait(hand="both", object=[0.1, 0.0, 0.15], width=0.2)).hands
+    assert_allclose(hands[2], [[0.1, 0.1, 0.15], [0.1, -0.1, 0.15]], atol=1e-12)
+    assert_allclose(hands[1, :, 2] - hands[2, :, 2], 0.15 * 0.2815, atol=1e-4)
 
 
 def test_a_robot_that_cannot_move_its_hands_is_told_so():

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from mgs.core.contact import Side, Support
 from mgs.core.errors import InfeasibleGaitError
 from mgs.core.geometry import sole_corners, yaw_from_quat_xyzw
-from mgs.motion_planner import MotionPlan, plan_motion
+from mgs.motion_planner import WalkPlan, plan_motion
 from mgs.robot import load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 from tests.support.strategies import walk_gait
@@ -23,7 +23,7 @@ WIDTH = 0.0955
 CLEARANCE = 0.005
 
 
-def climb(rise: float, tread: float, n: int = 2, **walk: object) -> MotionPlan:
+def climb(rise: float, tread: float, n: int = 2, **walk: object) -> WalkPlan:
     """Up n stairs, both feet onto each."""
     first = 0.5 * SOLE.length + 0.01  # the first edge ahead of the toes
     boxes, footsteps = [], []
@@ -43,7 +43,7 @@ def climb(rise: float, tread: float, n: int = 2, **walk: object) -> MotionPlan:
     )  # fmt: skip
 
 
-def swinging(plan: MotionPlan, tasks: TaskTrajectory) -> list[tuple[int, Side]]:
+def swinging(plan: WalkPlan, tasks: TaskTrajectory) -> list[tuple[int, Side]]:
     return [
         (k, phase.support.sides[0].other)
         for phase in plan.phases

@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 from mgs.core.contact import Footstep, Side, Support
 from mgs.core.errors import ConfigError, FootstepError, InfeasibleGaitError
 from mgs.gait import Gait, load_gait
-from mgs.motion_planner import MotionPlan, plan_motion
+from mgs.motion_planner import WalkPlan, plan_motion
 from mgs.motion_planner.walk import plan_footsteps
 from mgs.robot import Robot, load_robot
 from tests.support.strategies import numbers, walk_gait, walks
@@ -22,7 +22,7 @@ ROUNDING = 1e-12  # [m], [rad]; places are within a few metres
 MELSON = load_robot("melson")  # Hypothesis and fixtures of a test do not mix well
 
 
-def plan(**walk: object) -> MotionPlan:
+def plan(**walk: object) -> WalkPlan:
     return plan_motion(MELSON, walk_gait(**walk))
 
 

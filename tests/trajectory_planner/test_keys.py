@@ -54,7 +54,9 @@ def test_feet_never_move_and_the_body_rests_in_every_key_when_its_time_has_come(
             roll, pitch, yaw = now["torso"]
             turned = pin.rpy.rpyToMatrix(roll, pitch, yaw) @ torso
             assert_allclose(rotation(tasks.torso[k]), turned, atol=1e-12)
-            assert_allclose(tasks.posture[k], [joints[n] for n in MELSON.joint_names], atol=1e-12)
+            assert_allclose(
+                tasks.posture.angles[k], [joints[n] for n in MELSON.joint_names], atol=1e-12
+            )
             if tasks.hands_asked[Side.RIGHT]:
                 hand = tasks.hands[k, Side.RIGHT] + tasks.com[k]
                 assert_allclose(hand, right + now["right_hand"], atol=1e-12)
@@ -75,7 +77,9 @@ def test_between_keys_it_is_the_minimum_jerk_polynomial():
     pitch = [pin.rpy.matrixToRpy(rotation(quat))[1] for quat in tasks.torso]
     assert_allclose(pitch, 0.4 * blend, atol=1e-12)
     j = MELSON.joint_names.index("left_shoulder_pitch")
-    assert_allclose(tasks.posture[:, j], 0.35 - blend, atol=1e-12)  # half-sitting has it at 0.35
+    assert_allclose(
+        tasks.posture.angles[:, j], 0.35 - blend, atol=1e-12
+    )  # half-sitting has it at 0.35
     middle = round(1.5 / 0.01)
     speed = (tasks.com[middle + 1, 0] - tasks.com[middle - 1, 0]) / 0.02
     assert speed == pytest.approx(15.0 / 8.0 * 0.02 / 2.0, rel=1e-3)  # twice the mean, nearly

@@ -14,7 +14,7 @@ from scipy.spatial import ConvexHull
 
 from mgs.core.contact import Footstep, Side, Support
 from mgs.gait import Gait
-from mgs.motion_planner import MotionPlan, Phase, plan_motion
+from mgs.motion_planner import Phase, WalkPlan, plan_motion
 from mgs.pipeline import Stages
 from mgs.robot import load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
@@ -25,12 +25,12 @@ LENGTH, WIDTH = 0.106, 0.06  # [m] of a sole
 FINE = {"n_steps": 4, "step_length": 0.05, "step_yaw": 0.1, "dt": 0.001}
 
 
-def tasks_of(gait: Gait) -> tuple[MotionPlan, TaskTrajectory]:
+def tasks_of(gait: Gait) -> tuple[WalkPlan, TaskTrajectory]:
     plan = plan_motion(MELSON, gait)
     return plan, plan_trajectories(plan)
 
 
-def swings(plan: MotionPlan) -> list[tuple[Phase, Side]]:
+def swings(plan: WalkPlan) -> list[tuple[Phase, Side]]:
     return [(p, p.support.sides[0].other) for p in plan.phases if p.target is not None]
 
 

@@ -23,8 +23,8 @@ from mgs.experiments.preview.servo import (
     simulate,
     step_reference,
 )
-from mgs.gait import ComParameters, load_gait
-from mgs.motion_planner import plan_motion
+from mgs.gait import ComParameters, WalkGait, load_gait
+from mgs.motion_planner.walk import plan_walk
 from mgs.robot import load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 
@@ -59,14 +59,16 @@ class Study:
 def solve(progress: Progress | None = None) -> Study:
     """Everything that the claims and figures are about; `progress` is told once, at the end."""
     robot, gait = load_robot("melson"), load_gait(GAIT)
-    com_height = plan_motion(robot, gait).com_height
+    fast_gait = load_gait(GAIT, FAST)
+    assert isinstance(gait, WalkGait) and isinstance(fast_gait, WalkGait)
+    com_height = plan_walk(robot, gait).com_height
     servos = {
         weight: Servo(gait.dt, com_height, ComParameters(weight_jerk=weight))
         for weight in (SOFT, STIFF)
     }
     step = step_reference(STEP_BEFORE, STEP_AFTER, STEP)
     answers = {weight: follow(servo, step) for weight, servo in servos.items()}
-    fast = plan_trajectories(plan_motion(robot, load_gait(GAIT, FAST)))
+    fast = plan_trajectories(plan_walk(robot, fast_gait))
     fast_zmp = {
         weight: generate_com(robot, fast, servo.parameters).zmp for weight, servo in servos.items()
     }

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mgs.core.constants import FLOATING_BASE_NV
 from mgs.robot import Robot
+from mgs.robot.limbs import joint_chain
 
 N_ANGLES = 721  # at which a joint's effect on the length is sampled: every half degree
 LEAST_CHANGE = 0.2  # of the longest length; below, a joint bends no limb
@@ -21,10 +22,9 @@ LEAST_CHANGE = 0.2  # of the longest length; below, a joint bends no limb
 def stretched_joints(robot: Robot) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
     """Indices (k,) of the joints that stretch a leg or an arm, and their angles (k,) [rad] then."""
     found: dict[int, float] = {}
-    root = robot.model.frames[robot.torso_frame].parentJoint
     for frame_id in (*robot.sole_frames, *robot.hand_frames):
         frame = robot.model.frames[frame_id]
-        chain = _chain(robot.model, frame.parentJoint, root)
+        chain = joint_chain(robot, frame_id, robot.torso_frame)
         is_leg = frame_id in robot.sole_frames
         tip = pin.SE3.Identity() if is_leg else frame.placement
         candidates = chain[1:-1] if is_leg else chain[1:]
@@ -37,20 +37,6 @@ def stretched_joints(robot: Robot) -> tuple[NDArray[np.intp], NDArray[np.float64
             joint = candidates[best]
             found[int(robot.model.idx_vs[joint]) - FLOATING_BASE_NV] = angle
     return np.array(list(found), np.intp), np.array(list(found.values()))
-
-
-def _chain(model: pin.Model, tip: int, root: int) -> list[int]:
-    """Joints of a limb from the trunk to its tip; the trunk is the base and the way to `root`."""
-    trunk = {0, 1}
-    while root > 1:
-        trunk.add(int(root))
-        root = model.parents[root]
-    chain = []
-    joint = int(tip)
-    while joint not in trunk:
-        chain.append(joint)
-        joint = int(model.parents[joint])
-    return chain[::-1]
 
 
 def _length_change(

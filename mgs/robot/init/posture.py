@@ -19,6 +19,7 @@ from mgs.core.arrays import Array
 from mgs.robot.init.anatomy import Anatomy
 from mgs.robot.init.skeleton import Skeleton
 from mgs.robot.init.sole import Sole
+from mgs.robot.limbs import stretched_length
 from mgs.robot.urdf_text import joint_axis
 
 CROUCHES = (0.95, 0.96, 0.97, 0.98)  # distance from hip to sole, as part of the stretched leg
@@ -43,8 +44,7 @@ class Posture:
 
 def leg_length(skeleton: Skeleton, leg: list[int], sole: Sole) -> float:
     """Length of a stretched leg from its first joint to the sole [m]."""
-    steps = [np.linalg.norm(skeleton.model.jointPlacements[j].translation) for j in leg[1:]]
-    return float(sum(steps) + np.linalg.norm(sole.placement.translation))
+    return stretched_length(skeleton.model, leg, sole.placement.translation)
 
 
 def hand_point(skeleton: Skeleton, body: int) -> Array:

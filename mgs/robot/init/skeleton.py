@@ -10,9 +10,11 @@ import numpy as np
 import pinocchio as pin
 
 from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.core.errors import ConfigError
 from mgs.robot.init.points import Surface, Surfaces
 from mgs.robot.init.source import Source
+from mgs.robot.limbs import joints_to
 
 BASE = 1  # Pinocchio id of the floating-base joint and of its body
 
@@ -48,7 +50,7 @@ class Skeleton:
 
     def path(self, body: int) -> list[int]:
         """Bodies between the base (excluded) and this body (included)."""
-        return [int(joint) for joint in self.model.supports[body]][2:]
+        return joints_to(self.model, body)
 
     def children(self, body: int) -> list[int]:
         """Child bodies of this body."""
@@ -87,7 +89,9 @@ def build_skeleton(source: Source, package_paths: tuple[Path, ...]) -> Skeleton:
                 (name, frame.placement, surface) for surface in reader.of_link(name)
             ]
     at_rest = pin.neutral(model)
-    at_rest[7:] = np.clip(at_rest[7:], model.lowerPositionLimit[7:], model.upperPositionLimit[7:])
+    joints = slice(FLOATING_BASE_NQ, None)
+    lower, upper = model.lowerPositionLimit[joints], model.upperPositionLimit[joints]
+    at_rest[joints] = np.clip(at_rest[joints], lower, upper)
     data = model.createData()
     pin.forwardKinematics(model, data, at_rest)
     placements = [data.oMi[joint].copy() for joint in range(model.njoints)]
