@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 
 import numpy as np
 import pytest
@@ -14,8 +15,9 @@ from mgs.core.contact import Footstep, Side, Support
 from mgs.core.errors import ConfigError, FootstepError, InfeasibleGaitError
 from mgs.gait import Gait, load_gait
 from mgs.motion_planner import WalkPlan, plan_motion
-from mgs.motion_planner.walk import plan_footsteps
-from mgs.robot import Robot, load_robot
+from mgs.motion_planner.footsteps import first_support_of, plan_footsteps
+from mgs.pipeline import run_stages
+from mgs.robot import Robot, load_robot, midpoint_width
 from tests.support.strategies import numbers, walk_gait, walks
 
 ROUNDING = 1e-12  # [m], [rad]; places are within a few metres
@@ -212,6 +214,12 @@ def test_a_null_step_width_is_the_one_of_the_posture_and_null_heights_are_those_
     assert plan(com_height=0.27).com_height == 0.27
 
 
+def plan_footsteps_of(walk: dict) -> tuple[Footstep, ...]:
+    block = walk_gait(**walk).walk
+    width = block.step_width or midpoint_width(MELSON)
+    return plan_footsteps(block, width, first_support_of(block))
+
+
 # --- refusals ---------------------------------------------------------------------------------
 
 
@@ -224,14 +232,18 @@ def test_a_null_step_width_is_the_one_of_the_posture_and_null_heights_are_those_
         ({"step_yaw": 0.7, "n_steps": 5, "lateral": 0.05, "first_support": "right"}, (2, 3)),
     ],
 )
-def test_overlapping_soles_are_refused_with_the_pair(walk: dict, pair: tuple[int, int]):
+def test_overlapping_soles_are_refused_with_the_pair_and_the_keys_that_help(
+    walk: dict, pair: tuple[int, int]
+):
     with pytest.raises(FootstepError) as caught:
-        plan(**walk)
+        run_stages(MELSON, walk_gait(**walk))
     error = caught.value
     assert isinstance(error, InfeasibleGaitError)
     assert (error.first, error.second) == pair
     assert error.gap < 0.0
     assert f"footsteps {pair[0]} and {pair[1]} overlap by {-1e3 * error.gap:.1f} mm" in str(error)
+    first, second = (plan_footsteps_of(walk)[number] for number in pair)
+    assert error.distance == pytest.approx(math.hypot(first.x - second.x, first.y - second.y))
     assert "step_width" in str(error)
     assert ("step_yaw" in str(error)) == ("step_yaw" in walk)
 
