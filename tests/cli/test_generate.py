@@ -292,7 +292,7 @@ def test_a_hand_of_locked_arms_is_a_usage_error(here: Path):
     (here / "bad.yaml").write_text(balance_gait(constant("left_hand_x", 0.01)).to_yaml())
     result = run("generate", "bad.yaml", "--robot", "coman_legs", "-o", "bad.mcap")
     assert (result.exit_code, result.stdout) == (2, "")
-    assert "left_hand: coman_legs cannot move it against its torso" in result.stderr
+    assert "left_hand: coman_legs cannot move it relative to its torso" in result.stderr
 
 
 # --- when it fails ----------------------------------------------------------------------------
@@ -302,7 +302,7 @@ def test_an_infeasible_gait_is_exit_code_one_with_the_time_and_a_remedy(here: Pa
     result = run("generate", *SHORT_WALK, *UNREACHABLE)
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr.startswith("Error: t = ")
-    assert "try a shorter step_length" in result.stderr
+    assert "; use a shorter walk.step_length" in result.stderr
     assert list(here.iterdir()) == []
 
 
@@ -455,7 +455,7 @@ def test_any_well_formed_gait_becomes_a_file_or_a_message(here: Path):
         (
             ("melson/wave", "--set", "keyframes.keys=[{time: 2.0, left_hand: [0.4, 0.0, 0.0]}]"),
             1,
-            "in keyframes less",
+            "use smaller displacements in keyframes.keys",
         ),
     ],
 )
