@@ -22,15 +22,15 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
-from scipy.linalg import lapack
 
 from mgs.com_generator import ComTrajectory
 from mgs.core.arrays import Array
 from mgs.core.contact import Side, Support
-from mgs.core.errors import ConfigError, IkError
+from mgs.core.errors import ConfigError
 from mgs.gait import IkParameters
 from mgs.ik_solver.joint_trajectory import JointTrajectory
 from mgs.ik_solver.residuals import refuse_limits
+from mgs.ik_solver.tree.least_norm import LeastNorm
 from mgs.ik_solver.tree.static_loads import Sharing, StaticLoads, loaded_gravity
 from mgs.ik_solver.tree.targets import refuse_task_misses, refuse_torso, root_spans, tree_targets
 from mgs.ik_solver.tree.tasks import N_TASKS, TURN, TreeTasks
@@ -134,8 +134,6 @@ class _Run:
         self.angles = np.empty((tasks.n_samples, robot.n))
         self.updates = 0
         self.m = self.trees[0].n_rows
-        self.A = np.empty((self.m, self.m))
-        self.diagonal = self.A.ravel()[:: self.m + 1]  # a view
 
     def follow(self, progress: Callable[[int, int], None] | None) -> JointTrajectory:
         """Walk through the spans that stand on one sole, since each has its own tree."""
@@ -161,53 +159,42 @@ class _Run:
         self, tree: TreeTasks, q: Array, start: int, positions: Array, rotations: Array
     ) -> Array:
         """Fill `angles` from sample `start`, beginning at q (n,); remaining task errors (m, 15)."""
-        middle, inverse_range2 = self.middle[tree.order], self.inverse_range2[tree.order]
+        span = slice(start, start + len(positions))
+        pull = self.gain_joint[span, None] * self.inverse_range2[tree.order]
+        aim = pull * self.middle[tree.order]  # v0 dt = aim - pull q
         advance = np.zeros((len(positions), self.m))
         advance[:, :N_TASKS] = np.nan_to_num(_task_steps(positions, rotations))  # NaN: free
         advance[:, tree.held_rows] = 0.0
-        path, errors = np.empty((len(positions), len(q))), np.empty((len(positions), self.m))
+        path, errors = np.empty_like(pull), np.empty_like(advance)
         tree.update(q)
-        error = np.empty(self.m)  # t[k] - f(q[k]), then t[k + 1] - f(q[k]) = that + advance
-        tree.error(positions[0], rotations[0], error)
-        for i in range(len(positions)):
-            k = start + i
-            error += advance[i]
-            gain_joint, gain_grav = self.gain_joint[k], self.gain_grav[k]
-            if gain_joint or gain_grav:
-                v0 = middle - q
-                v0 *= inverse_range2
-                v0 *= gain_joint
-                if gain_grav:
-                    tau, dtau = loaded_gravity(tree, self.loads, k, q)
-                    v0 -= np.dot(tau, dtau) * gain_grav
-                error -= tree.J.dot(v0)
-                q += v0
-            q += self._least_norm(tree.J, error, k)
+        tree.error(positions[0], rotations[0], errors[0])
+        gain_grav, error = self.gain_grav.tolist(), errors[0]
+        solver = LeastNorm(tree.rows, self.tuning.damping)
+        v0 = solver.v
+        rows = zip(positions, rotations, advance, aim, pull, path, errors, strict=True)
+        for k, (x, R, step, aim_k, pull_k, q_next, error_next) in enumerate(rows, start):
+            np.subtract(aim_k, pull_k * q, v0)
+            if gain_grav[k]:
+                tau, dtau = loaded_gravity(tree, self.loads, k, q)
+                v0 -= tau.dot(dtau) * gain_grav[k]
+            q = np.add(q, solver.step(error + step), q_next)
             tree.update(q)
-            tree.error(positions[i], rotations[i], error)
+            error = error_next  # t[k] - f(q[k]); with the next step t[k + 1] - f(q[k])
+            tree.error(x, R, error)
             updates = self.max_updates
             while updates and error.dot(error) > self.threshold2:
-                q += self._least_norm(tree.J, error, k)
+                v0[:] = 0.0
+                q += solver.step(error)
                 tree.update(q)
-                tree.error(positions[i], rotations[i], error)
+                tree.error(x, R, error)
                 updates -= 1
                 self.updates += 1
-            path[i], errors[i] = q, error
-        self.angles[start : start + len(path), tree.order] = path
+        self.angles[span, tree.order] = path
         return errors
-
-    def _least_norm(self, J: Array, error: Array, k: int, damping2: float = 0.0) -> Array:
-        """J^T (J J^T + (damping^2 + damping2) I)^-1 error (n,), by one Cholesky factor."""
-        np.dot(J, J.T, out=self.A)
-        self.diagonal += self.tuning.damping**2 + damping2
-        _, y, info = lapack.dposv(self.A.T, error, overwrite_a=True)
-        if info != 0:
-            raise IkError(k * self.tasks.dt, "any task (J J^T singular)", np.inf, 0.0, "")
-        return np.dot(y, J)
 
     def _start(self, tree: TreeTasks, q: Array, positions: Array, rotation: Array) -> None:
         """Bring q (n,) from the half-sitting posture onto the tasks of the first sample."""
-        error = np.empty(self.m)
+        error, solver = np.empty(self.m), LeastNorm(tree.rows, self.tuning.damping)
         for _ in range(MAX_START_UPDATES):
             tree.update(q)
             tree.error(positions, rotation, error)
@@ -215,7 +202,7 @@ class _Run:
                 break
             # damping by the error (Sugihara, IEEE Trans. Robotics 27(5), 2011) settles at the
             # nearest posture where the goal is out of reach: the message then says how far it is
-            q += self._least_norm(tree.J, error, 0, error.dot(error))
+            q += solver.step(error, error.dot(error))
         self._refuse_stiff_joint_gain()
         self._refuse_stiff_gravity_gain(tree, q)
 

@@ -34,15 +34,15 @@ class SupportTree:
     """Fixed-base model of a robot that stands on one sole.
 
     `model` has one joint for each of the robot's, in another order: q_tree = q_robot[order].
-    A fixed-base model ignores the mass of its root link; `root_mass` and `root_com` (sole frame)
-    give it back: com = (m com_tree + root_mass root_com) / mass.
+    A fixed-base model ignores the mass of its root link. That mass is lumped at the origin of the
+    first joint, a point that no joint moves. The model then has the robot's mass, CoM Jacobian and
+    gravity torques, and its CoM is `com_offset` away from the robot's.
     """
 
     side: Side
     model: pin.Model
     order: NDArray[np.intp]  # (n,)
-    root_mass: float  # [kg]
-    root_com: Array  # (3,), in the sole frame [m]
+    com_offset: Array  # (3,) CoM of the robot minus CoM of the model, in the sole frame [m]
     first_placements: tuple[tuple[int, pin.SE3], ...]  # joints that hang on the sole, in its frame
     swing_sole: int  # frame ids
     hands: tuple[int, int]
@@ -62,7 +62,7 @@ def build_support_tree(robot: Robot, side: Side) -> SupportTree:
     model, placed = pin.Model(), {root: (0, sole.placement.inverse())}
     model.gravity.linear = source.gravity.linear
     order = _grow(source, model, placed, root)
-    inertia = sole.placement.inverse().act(source.inertias[root])
+    com_offset = _lump(model, sole.placement.inverse().act(source.inertias[root]))
     base = _copy_frame(source, model, placed, source.getBodyId(robot.spec.base_link))
     swing = _copy_frame(source, model, placed, robot.sole_frames[side.other])
     left_hand, right_hand = (_copy_frame(source, model, placed, f) for f in robot.hand_frames)
@@ -70,8 +70,7 @@ def build_support_tree(robot: Robot, side: Side) -> SupportTree:
         side=side,
         model=model,
         order=np.array(order),
-        root_mass=float(inertia.mass),
-        root_com=np.array(inertia.lever),
+        com_offset=com_offset,
         first_placements=tuple(
             (joint, model.jointPlacements[joint].copy())
             for joint in range(1, model.njoints)
@@ -111,6 +110,15 @@ def _grow(source: pin.Model, model: pin.Model, placed: Placed, root: int) -> lis
             (there, following) for following in reversed(neighbours[there]) if following != here
         ]
     return order
+
+
+def _lump(model: pin.Model, link: pin.Inertia) -> Array:
+    """Lump the mass of the root link at the origin of joint 1; the CoM offset (3,) [m] left."""
+    model.appendBodyToJoint(
+        1, pin.Inertia(link.mass, np.zeros(3), np.zeros((3, 3))), pin.SE3.Identity()
+    )
+    share = link.mass / pin.computeTotalMass(model)
+    return np.asarray(share * (link.lever - model.jointPlacements[1].translation))
 
 
 def _copy_frame(source: pin.Model, model: pin.Model, placed: Placed, frame_id: int) -> int:
