@@ -26,7 +26,7 @@ from mgs.com_generator.com_trajectory import ComTrajectory
 from mgs.com_generator.riccati import solve_riccati
 from mgs.core.arrays import Array
 from mgs.core.constants import GRAVITY
-from mgs.core.errors import ConfigError, InfeasibleGaitError
+from mgs.core.errors import ComNotAtRestError, ConfigError
 from mgs.gait import ComParameters
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
@@ -125,7 +125,7 @@ def follow_zmp(
 
     Raises:
         ConfigError: see `preview_gains`.
-        InfeasibleGaitError: the CoM is not at rest when the motion ends.
+        ComNotAtRestError: the CoM is not at rest when the motion ends.
     """
     com = respond(zmp_ref, com_height, dt, parameters)
     require_rest(com, zmp_ref[-1])
@@ -192,12 +192,8 @@ def _preview_sums(G_p: Array, zmp_ref: Array) -> Array:
 
 
 def require_rest(com: ComTrajectory, zmp_end: Array) -> None:
-    """Raise InfeasibleGaitError unless the CoM ends at rest above zmp_end (2,)."""
+    """Raise ComNotAtRestError unless the CoM ends at rest above zmp_end (2,)."""
     speed = float(np.hypot(*com.velocity[-1, :2]))
     distance = float(np.hypot(*(com.position[-1, :2] - zmp_end)))
     if speed > REST_SPEED or distance > REST_DISTANCE:
-        raise InfeasibleGaitError(
-            f"the CoM still moves at {1e3 * speed:.1f} mm/s, {1e3 * distance:.1f} mm from its goal "
-            f"when the motion ends ({1e3 * REST_SPEED:g} mm/s and {1e3 * REST_DISTANCE:g} mm are "
-            "allowed); use a longer lead_out or com.preview"
-        )
+        raise ComNotAtRestError(speed, distance, (REST_SPEED, REST_DISTANCE))

@@ -30,7 +30,7 @@ from mgs.com_generator.com_trajectory import ComTrajectory
 from mgs.core.arrays import Array
 from mgs.core.constants import GRAVITY
 from mgs.core.contact import Support
-from mgs.core.errors import ConfigError, InfeasibleGaitError
+from mgs.core.errors import ConfigError, ZmpMarginError
 from mgs.core.geometry import convex_hull, sole_corners, yaw_from_quat_xyzw
 from mgs.gait import ComParameters
 from mgs.robot import Robot
@@ -38,6 +38,7 @@ from mgs.trajectory_planner import TaskTrajectory
 
 PRECISION = 1e-10  # of the solver, absolute and relative
 TOLERANCE = 1e-7  # [m] that a solution may miss bounds and equalities by
+LEAST_ADVISED = 2e-4  # [m]; with a narrower margin something else is wrong with the gait
 PLACE, SPEED, ACCELERATION = range(3)
 
 
@@ -74,7 +75,7 @@ def bound_zmp(robot: Robot, tasks: TaskTrajectory, parameters: ComParameters) ->
 
     Raises:
         ConfigError: the weights are too far from each other.
-        InfeasibleGaitError: no motion keeps the margin; names the time and the widest that one can.
+        ZmpMarginError: no motion keeps the margin; names the time and the widest possible one.
     """
     height, start = tasks.com_height, tasks.zmp_ref[0]
     omega = float(np.sqrt(GRAVITY / height[0]))
@@ -170,7 +171,7 @@ def _solve(problem: Qp) -> Array | None:
 
 def _refusal(
     problem: Qp, tasks: TaskTrajectory, parameters: ComParameters
-) -> ConfigError | InfeasibleGaitError:
+) -> ConfigError | ZmpMarginError:
     """Why there is no solution, from the motion whose ZMP leaves the bounds least."""
     n = problem.P.shape[0]
     faint = 1e-6  # of the old objective, so that the new one has a single minimiser
@@ -193,14 +194,9 @@ def _refusal(
     excess = problem.G @ x[:-1] - problem.h
     row = int(np.argmax(excess > x[-1] - 10.0 * TOLERANCE))
     k = int(problem.G.tocsr()[row].indices.min()) // 6  # six unknowns a sample
-    margin, widest = parameters.margin, parameters.margin - float(x[-1])
-    if widest > 2e-4:
-        reach = f"at most {1e3 * widest:.1f} mm"
-        remedy = f"use a com.margin of at most {np.floor(1e4 * widest - 1.0) / 1e4:.4f} m"
-    else:
-        reach = f"it is {-1e3 * widest:.1f} mm outside"
-        remedy = "move walk.zmp_offset inwards or use a longer walk.lead_in and lead_out"
-    return InfeasibleGaitError(
-        f"t = {k * tasks.dt:.3f} s: in {Support(tasks.support[k]).label} support no CoM motion "
-        f"keeps the ZMP {1e3 * margin:.1f} mm inside the support polygon, {reach}; {remedy}"
-    )
+    widest = parameters.margin - float(x[-1])
+    support = Support(tasks.support[k]).label
+    error = ZmpMarginError(k * tasks.dt, support, parameters.margin, widest)
+    if widest > LEAST_ADVISED:
+        error.remedy = f"use a com.margin of at most {np.floor(1e4 * widest - 1.0) / 1e4:.4f} m"
+    return error

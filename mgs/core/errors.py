@@ -7,6 +7,8 @@ MgsError                     exit code 1: the work could not be done
 ├── InfeasibleGaitError      the gait is well formed, but this robot cannot do it
 │   ├── FootstepError        two soles would overlap
 │   ├── ComOutsideFeetError  the CoM is asked to go sideways beyond both feet
+│   ├── ComNotAtRestError    the CoM still moves when the motion ends
+│   ├── ZmpMarginError       the ZMP cannot keep its distance from the edge of the support polygon
 │   ├── IkError              a task is not met
 │   ├── JointLimitError      a joint would leave its range
 │   ├── JointSpeedError      a joint would have to move faster than its servo can
@@ -107,6 +109,35 @@ class ComOutsideFeetError(InfeasibleGaitError):
             f"the CoM is asked to go {distance:.3f} m sideways from the middle, beyond both feet"
         )
         self.distance = distance  # [m]
+
+
+class ComNotAtRestError(InfeasibleGaitError):
+    """The CoM still moves, or is beside its goal, when the motion ends."""
+
+    def __init__(self, speed: float, distance: float, allowed: tuple[float, float]) -> None:
+        super().__init__(
+            f"the CoM still moves at {1e3 * speed:.1f} mm/s, {1e3 * distance:.1f} mm from its goal "
+            f"when the motion ends ({1e3 * allowed[0]:g} mm/s and {1e3 * allowed[1]:g} mm are "
+            "allowed)"
+        )
+        self.speed, self.distance, self.allowed = speed, distance, allowed  # [m/s], [m], both
+
+
+class ZmpMarginError(InfeasibleGaitError):
+    """No CoM motion keeps the ZMP inside the support polygon by the margin asked for."""
+
+    def __init__(self, t: float, support: str, margin: float, widest: float) -> None:
+        reach = (
+            f"at most {1e3 * widest:.1f} mm"
+            if widest > 0.0
+            else f"it is {-1e3 * widest:.1f} mm outside"
+        )
+        super().__init__(
+            f"t = {t:.3f} s: in {support} support no CoM motion keeps the ZMP {1e3 * margin:.1f} "
+            f"mm inside the support polygon, {reach}"
+        )
+        self.t, self.support = t, support  # [s], left, right or double
+        self.margin, self.widest = margin, widest  # asked for and possible, negative: outside [m]
 
 
 class IkError(InfeasibleGaitError):

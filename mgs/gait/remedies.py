@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import reduce
 
 from mgs.core.errors import (
+    ComNotAtRestError,
     ComOutsideFeetError,
     CycleError,
     FootstepError,
@@ -19,6 +20,7 @@ from mgs.core.errors import (
     JointLimitError,
     JointSpeedError,
     MgsError,
+    ZmpMarginError,
 )
 from mgs.gait.kinds import (
     BalanceGait,
@@ -76,6 +78,17 @@ PICK_UP = (
     Change("pick_up.approach", "a longer {}"),
 )
 
+
+def _rest(block: str) -> dict[type[MgsError], tuple[Change, ...]]:
+    """Remedies of the kinds of gait whose CoM follows the ZMP and which rest before and after."""
+    lead_in, lead_out = (Change(f"{block}.{key}", "a longer {}") for key in ("lead_in", "lead_out"))
+    middle = Change(f"{block}.zmp_offset", "a {} nearer to the middle of the sole")
+    return {
+        ComNotAtRestError: (lead_out, Change("com.preview", "a longer {}")),
+        ZmpMarginError: (middle, lead_in, lead_out),
+    }
+
+
 REMEDIES: dict[type[GaitFile], dict[type[MgsError], tuple[Change, ...]]] = {
     WalkGait: {
         FootstepError: (
@@ -87,6 +100,7 @@ REMEDIES: dict[type[GaitFile], dict[type[MgsError], tuple[Change, ...]]] = {
         IkError: (*WALK, Change("walk.com_height", "a lower {}")),
         JointLimitError: (GAMMA, *WALK, Change("walk.com_height", "another {}"), RECORD),
         CycleError: (Change("walk.n_steps", "a larger {}"), SETTLE),
+        **_rest("walk"),
     },
     KickGait: {
         IkError: (*KICK, Change("kick.com_height", "a lower {}")),
@@ -96,6 +110,7 @@ REMEDIES: dict[type[GaitFile], dict[type[MgsError], tuple[Change, ...]]] = {
             Change("kick.back_swing", "a longer {}"),
             Change("kick.follow_through", "a longer {}"),
         ),
+        **_rest("kick"),
     },
     BalanceGait: {
         ComOutsideFeetError: (Change("balance.channels", "a smaller com_y in {}"),),

@@ -21,6 +21,7 @@ from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.core.contact import Support
 from mgs.core.errors import CycleError
 from mgs.core.geometry import compose_planar, planar_inverse, planar_middle
+from mgs.gait.remedies import remedies_for
 from mgs.motion.motion import Motion
 
 JOINT_TOLERANCE = 0.02  # [rad], about 1 mm at a sole
@@ -64,8 +65,9 @@ def find_cycle(motion: Motion) -> Cycle:
     )
     d, e = _differences(motion, k, period)
     worst, fastest = int(np.argmax(np.abs(d))), int(np.argmax(np.abs(e)))
-    _refuse(motion, worst, abs(float(d[worst])), "rad", JOINT_TOLERANCE)
-    _refuse(motion, fastest, abs(float(e[fastest])), "rad/s", SPEED_TOLERANCE)
+    with remedies_for(motion.gait):
+        _refuse(motion, worst, abs(float(d[worst])), "rad", JOINT_TOLERANCE)
+        _refuse(motion, fastest, abs(float(e[fastest])), "rad/s", SPEED_TOLERANCE)
     s = (np.arange(period) / period)[:, None]
     joints = motion.q[k : k + period, FLOATING_BASE_NQ:]
     position = joints - d * s - e * (0.5 * period * motion.dt) * (s**2 - s)
@@ -110,6 +112,5 @@ def _refuse(motion: Motion, joint: int, size: float, unit: str, tolerance: float
     if not size <= tolerance:
         raise CycleError(
             f"{motion.gait_name}: from one cycle to the next {motion.robot.joint_names[joint]} "
-            f"differs by {size:.3g} {unit} at best, {tolerance:g} {unit} allowed; take more steps, "
-            "so that the posture settles, or ik.solver ik4, with which it settles at once"
+            f"differs by {size:.3g} {unit} at best, {tolerance:g} {unit} allowed"
         )

@@ -14,9 +14,10 @@ from scipy.spatial import ConvexHull
 
 from mgs.com_generator import ComTrajectory, generate_com
 from mgs.core.contact import Side, Support
-from mgs.core.errors import ConfigError, InfeasibleGaitError, MgsError
+from mgs.core.errors import ConfigError, InfeasibleGaitError, MgsError, ZmpMarginError
 from mgs.core.geometry import polygon_margins
 from mgs.gait import ComParameters, load_gait
+from mgs.gait.remedies import remedies_for
 from mgs.motion_planner import plan_motion
 from mgs.pipeline import run_stages
 from mgs.robot import Robot, load_robot
@@ -263,10 +264,14 @@ def test_too_wide_a_margin_is_refused_with_the_time_and_the_widest(name: str, ha
     gait = load_gait(name)
     robot = load_robot(gait.robot)
     tasks = plan_trajectories(plan_motion(robot, gait))
-    with pytest.raises(InfeasibleGaitError, match="left support no CoM motion") as caught:
+    with pytest.raises(ZmpMarginError, match="left support no CoM motion") as caught:
         bounded(robot, tasks, margin=half_width + 1e-3)
     t, _, widest, advised = (float(x) for x in re.findall(r"\d+\.\d+", str(caught.value)))
-    assert t == pytest.approx(gait.walk.lead_in + gait.walk.double_support)
+    error = caught.value
+    assert (
+        t == pytest.approx(error.t) == pytest.approx(gait.walk.lead_in + gait.walk.double_support)
+    )
+    assert error.margin == half_width + 1e-3 and error.support == "left"
     assert widest == pytest.approx(1e3 * half_width, abs=0.05)
     assert half_width - 3e-4 < advised < half_width
     assert (
@@ -277,8 +282,13 @@ def test_too_wide_a_margin_is_refused_with_the_time_and_the_widest(name: str, ha
 def test_a_rest_outside_its_polygon_is_refused(melson: Robot):
     tasks = one_step(melson)
     tasks.zmp_ref[:] += [0.2, 0.0]
-    with pytest.raises(InfeasibleGaitError, match=r"t = 0.000 s: .* walk\.zmp_offset"):
+    refusal = pytest.raises(ZmpMarginError, match=r"t = 0.000 s: .* walk\.zmp_offset")
+    with refusal as caught, remedies_for(walk_gait()):
         bounded(melson, tasks)
+    assert caught.value.t == 0.0
+    assert caught.value.widest == pytest.approx(
+        -0.2 + 0.5 * melson.sole_spec(Side.LEFT).length, abs=1e-4
+    )
 
 
 @settings(max_examples=40)

@@ -8,6 +8,7 @@ import pytest
 
 from mgs.core import errors
 from mgs.core.errors import (
+    ComNotAtRestError,
     ComOutsideFeetError,
     ConfigError,
     CycleError,
@@ -23,6 +24,7 @@ from mgs.core.errors import (
     OutputExistsError,
     SeamError,
     SimulationError,
+    ZmpMarginError,
 )
 
 EXAMPLES = [
@@ -33,6 +35,8 @@ EXAMPLES = [
     InfeasibleGaitError("something"),
     FootstepError(2, 3, -0.004, 0.056),
     ComOutsideFeetError(0.2),
+    ComNotAtRestError(4e-3, 2e-3, (2e-3, 1e-3)),
+    ZmpMarginError(1.25, "left", 0.031, 0.03),
     IkError(1.25, "CoM", 3e-3, 2e-4, "m"),
     JointLimitError(1.25, "left_knee_pitch", -0.1, 0.0, 2.2),
     JointSpeedError(1.25, "left_knee_pitch", 7.5, 6.0),
@@ -77,6 +81,21 @@ def test_an_error_is_the_same_after_a_journey_to_another_process(error: MgsError
         (
             ComOutsideFeetError(0.2),
             "the CoM is asked to go 0.200 m sideways from the middle, beyond both feet",
+        ),
+        (
+            ComNotAtRestError(4e-3, 2e-3, (2e-3, 1e-3)),
+            "the CoM still moves at 4.0 mm/s, 2.0 mm from its goal when the motion ends (2 mm/s "
+            "and 1 mm are allowed)",
+        ),
+        (
+            ZmpMarginError(1.25, "left", 0.031, 0.03),
+            "t = 1.250 s: in left support no CoM motion keeps the ZMP 31.0 mm inside the support "
+            "polygon, at most 30.0 mm",
+        ),
+        (
+            ZmpMarginError(0.0, "double", 0.0, -0.147),
+            "t = 0.000 s: in double support no CoM motion keeps the ZMP 0.0 mm inside the support "
+            "polygon, it is 147.0 mm outside",
         ),
         (
             IkError(1.25, "CoM", 3e-3, 2e-4, "m"),

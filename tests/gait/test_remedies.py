@@ -9,6 +9,7 @@ import pytest
 from pydantic import BaseModel
 
 from mgs.core.errors import (
+    ComNotAtRestError,
     ComOutsideFeetError,
     ConfigError,
     FootstepError,
@@ -17,6 +18,7 @@ from mgs.core.errors import (
     JointLimitError,
     JointSpeedError,
     MgsError,
+    ZmpMarginError,
 )
 from mgs.gait import GAITS, KickGait, load_gait
 from mgs.gait.remedies import REMEDIES, Change, remedies_for, remedy_of
@@ -65,7 +67,11 @@ def assert_key_exists(kind: type[BaseModel], key: str) -> None:
 def test_a_remedy_names_a_key_of_its_own_kind_of_gait(kind: type[BaseModel], change: Change):
     assert_key_exists(kind, change.key)
     assert change.text.count("{}") == 1
-    assert change.key.split(".")[0] in (kind.model_fields["motion"].annotation.__args__[0], "ik")
+    assert change.key.split(".")[0] in (
+        *kind.model_fields["motion"].annotation.__args__,
+        "com",
+        "ik",
+    )
 
 
 def test_every_kind_of_gait_has_a_remedy_for_a_missed_task_and_for_a_joint_limit():
@@ -104,6 +110,17 @@ def test_gamma_joint_is_a_remedy_only_for_the_solver_that_has_it(solver: str, to
     gait = walk_gait(ik={"solver": solver})
     assert ("ik.gamma_joint" in remedy_of(gait, LIMIT)) == told
     assert "ik.on_limit: record" in remedy_of(gait, LIMIT)
+
+
+@pytest.mark.parametrize(
+    ("gait", "block"), [(walk_gait(), "walk"), (KickGait(mgs=1, motion="kick"), "kick")]
+)
+def test_a_com_without_rest_or_margin_is_told_the_keys_of_its_own_block(gait: Any, block: str):
+    rest = remedy_of(gait, ComNotAtRestError(4e-3, 2e-3, (2e-3, 1e-3)))
+    assert rest == f"use a longer {block}.lead_out or a longer com.preview"
+    margin = remedy_of(gait, ZmpMarginError(0.0, "double", 0.0, -0.147))
+    keys = [f"{block}.{key}" for key in ("zmp_offset", "lead_in", "lead_out")]
+    assert KEY.findall(margin) == keys
 
 
 def test_an_error_without_a_known_remedy_stays_as_it_is():
