@@ -1,12 +1,12 @@
-"""The CoM generators side by side, without and with the dynamic filter: the table in docs.
+"""Comparison of the CoM generators without and with dynamic filter: a table of docs/benchmarks.md.
 
 python benchmarks/com_generators.py [--repeats N] [GAIT ...]
 
-ZMP error is the distance of the whole robot's ZMP (inverse dynamics) from the reference of stage 2;
-off plan is that from the plan of stage 3, which the QP draws itself inside its margin. The least
-margin is that of the whole robot's ZMP to the edge of the support polygon. The time of stage 3
-holds the corrections too, that of all stages every pass of inverse kinematics and dynamics; each is
-the least of the repeats.
+The ZMP error is the distance of the ZMP of the whole robot (inverse dynamics) from the reference of
+stage 2; the distance from plan is that from the ZMP planned by stage 3, which the QP chooses inside
+its margin. The least ZMP margin is the distance of the ZMP of the whole robot from the edge of the
+support polygon. The time of stage 3 includes the corrections; the time of all stages includes every
+pass of inverse kinematics and dynamics. Both are minima of the repeats.
 """
 
 from __future__ import annotations
@@ -21,20 +21,23 @@ from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, load_robot
 
 GAITS = ("melson/walk_practical", "coman/walk")
-MARGINS = (0.0, 0.8)  # of half the width of a sole
-WEIGHTS = (1e-8, 1e-4)  # of the jerk, R
-FILTER = {"off": 0, "on": 3}  # com.passes
+MARGINS = (0.0, 0.8)  # margin of the ZMP as part of the half width of a sole
+WEIGHTS = (1e-8, 1e-4)  # weight R of the jerk
+FILTER = {"off": 0, "on": 3}  # values of com.passes
 
 
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("gaits", nargs="*", default=GAITS, help=f"default: {' '.join(GAITS)}")
-    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument(
+        "gaits", nargs="*", default=GAITS, help=f"names of gaits; default: {' '.join(GAITS)}"
+    )
+    parser.add_argument("--repeats", type=int, default=5, help="number of runs; default 5")
     arguments = parser.parse_args()
     print(
-        "| gait | generator | filter | ZMP error, mean | worst | off plan, mean | least margin "
-        "| RMS jerk of the CoM | stage 3 | all stages |"
+        "| gait | generator | filter | mean ZMP error | largest ZMP error "
+        "| mean distance from plan | least ZMP margin "
+        "| RMS jerk of the CoM | time of stage 3 | time of all stages |"
     )
     print("| --- | --- | --- " + "| ---: " * 7 + "|")
     for name in arguments.gaits:
@@ -49,7 +52,7 @@ def main() -> None:
 
 
 def generators(robot: Robot) -> dict[str, tuple[str, ...]]:
-    """Settings by label: preview control, and the QP with each weight and margin."""
+    """Settings of each generator by label: preview control, QP with each weight and margin."""
     half = 0.5 * min(robot.spec.soles.left.length, robot.spec.soles.left.width)
     found: dict[str, tuple[str, ...]] = {
         f"preview, R {WEIGHTS[0]:g}": (f"com.weight_jerk={WEIGHTS[0]}",)
@@ -65,7 +68,7 @@ def generators(robot: Robot) -> dict[str, tuple[str, ...]]:
 
 
 def figures(runs: list[Stages]) -> str:
-    """The cells of one row; all runs are the same but for their times."""
+    """Cells of one row; the runs differ only in their times."""
     motion, com = runs[0].motion, runs[0].com
     report = motion.provenance.zmp_error
     assert report is not None

@@ -1,4 +1,4 @@
-"""Times and memory of whole commands, each in a process of its own."""
+"""Times and memory of commands, each in a separate process."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MGS = "from mgs.cli import main; main(prog_name='mgs')"
 IMPORTS = (
     "import mgs.cli, mgs.gait, mgs.motion_file, mgs.pipeline, mgs.robot, mgs.judge.motion_checks"
 )
-# `ru_maxrss` of a new process begins with the memory of the one that started it, VmHWM does not
+# `ru_maxrss` of a new process includes the memory of its parent process, VmHWM does not
 GROWTH = """
 import io, json, re, resource, sys
 from contextlib import redirect_stdout
@@ -40,7 +40,7 @@ print(json.dumps({"summary": json.loads(output.getvalue()), "before": before, "p
 
 
 def generate_times(gait: str, repeats: int) -> dict[str, Spread]:
-    """Wall times [s] of `mgs generate`, of its imports, of `mgs --help` and of Python alone."""
+    """Wall times [s] of `mgs generate`, its imports, `mgs --help` and Python without imports."""
     times: dict[str, list[float]] = {}
     with tempfile.TemporaryDirectory() as folder:
         for i in range(repeats):
@@ -62,7 +62,7 @@ def _wall_time(command: list[str]) -> float:
 
 
 def growth(gait: str, n_steps: int) -> dict[str, Any]:
-    """What `mgs generate --json` says of a walk of so many steps, and its memory [bytes]."""
+    """Results of `mgs generate --json` for a walk with n_steps steps, and its memory [bytes]."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "walk.mcap"
         options = ["--set", f"walk.n_steps={n_steps}", "-o", str(path), "--json"]

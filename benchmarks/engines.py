@@ -1,10 +1,10 @@
-"""How far PyBullet and MuJoCo agree on every shipped gait: a table for docs/simulation.md.
+"""Differences between PyBullet and MuJoCo on every shipped gait: a table for docs/simulation.md.
 
 python benchmarks/engines.py [GAIT ...]
 
-Load: difference of the vertical forces on a sole, relative to the weight. All differences are root
-mean squares over the motion, forces and ZMP of means over 50 ms, but for tilt (the largest
-difference) and end (of the soles' midpoint, after the tail).
+Load is the difference of the vertical forces on a sole, relative to the weight. Load and ZMP are
+root mean squares over the motion of means over 50 ms; tilt is the largest difference; end is the
+difference of the final pose of the midpoint of the soles, after the rest at the end.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from mgs.sim import SERVOS, Replay, agreement, replay
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("gaits", nargs="*", help="names; default: all that ship")
+    parser.add_argument("gaits", nargs="*", help="names of gaits; default: all shipped gaits")
     names = parser.parse_args().gaits or list_gaits()
     print("| gait | servos | PyBullet | MuJoCo | load | ZMP | tilt | end |")
     print("| --- | --- | --- | --- | ---: | ---: | ---: | ---: |")
@@ -41,7 +41,7 @@ def main() -> None:
 
 
 def fate(result: Replay) -> str:
-    """Pass, fell, or what else fails."""
+    """Result of a replay: pass, the time of the fall, or the names of failed checks."""
     if result.fell:
         return f"fell at {result.fall_time:.1f} s"
     failed = [check.name.split("_", 1)[1] for check in replay_checks(result) if not check.ok]

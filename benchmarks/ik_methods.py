@@ -1,28 +1,29 @@
-"""Time of every IK solver on a squat and a walk, beside other ways to solve the same.
+"""Times of all IK solvers on a squat and a walk, compared with other solution methods.
 
-python benchmarks/ik_methods.py                  about a minute
-python benchmarks/ik_methods.py --rounds 2       fewer rounds
-python benchmarks/ik_methods.py --blas-threads 2 what SLSQP takes when BLAS is left to itself
-python benchmarks/ik_methods.py --json           one JSON object
+python benchmarks/ik_methods.py                  all measurements, about a minute
+python benchmarks/ik_methods.py --rounds 2       fewer rounds of measurements
+python benchmarks/ik_methods.py --blas-threads 2 SLSQP with several BLAS threads
+python benchmarks/ik_methods.py --json           output as one JSON object
 
-Solvers: ik1 to ik5 by single solves, `FarajiRun.step`, over whole runs; the others, whose loops are
-one piece, by the time of a whole solve divided by its samples. The squat is task B of Faraji and
-Ijspeert (18 degrees of freedom, knees stretched at the top of every cycle), the walk 5 cm steps.
+Solvers: times of ik1 to ik5 are those of single solves (`FarajiRun.step`) over whole runs; times of
+the others are the time of a whole solve divided by its samples. The squat represents task B of
+Faraji and Ijspeert (18 degrees of freedom, stretched knees in every cycle). The walk has steps of
+5 cm.
 
-The same problem: one sample of ik4 as the nonlinear program that it is, given to SLSQP and Ipopt
-with exact derivatives, from the same q_prev and first guess (`nonlinear_side`); the row without
-Jacobians is what SLSQP takes if it is left to differences. Slack is |delta|_Q, the root of what ik4
-minimises; smaller than ours is better, and hard rows must be met as well. Samples are spread over
-the run, and over those next to a stretched knee. SLSQP's ftol bounds the objective [m^2] and the
-sum of the violations.
+The ik4 problem: one sample of ik4 as a nonlinear program is solved by SLSQP and Ipopt with exact
+derivatives, from the same q_prev and initial guess (`nonlinear_side`); one row shows SLSQP with
+finite differences. Slack is |delta|_Q, the square root of the objective of ik4: smaller is better,
+if the hard rows are met as well. The samples are spread over the run and over the samples close to
+a stretched knee. The tolerance ftol of SLSQP applies to the objective [m^2] and to the sum of the
+violations.
 
-pink: its differential IK with DAQP, one step per sample of the same targets on the same robot. That
-is another problem: weighted tasks, one linearisation, no hard rows, no safety region. The ratio
-compares what a user waits for, not two implementations of one method.
+pink: differential IK with DAQP, one step per sample, with the same targets on the same robot. This
+is another problem: weighted tasks, one linearization, no hard rows, no safety region. The ratio
+compares the waiting times of a user, not two implementations of one method.
 
-Everything takes turns in one process; ratios are of one round, medians over samples and rounds.
-Noise of a shared machine only adds, so the least times say most. BLAS has one thread: with two, on
-a busy machine, SLSQP has taken up to eight times as long.
+All measurements alternate in one process; ratios are medians over samples and rounds. Noise of a
+shared machine only adds time, so that minimum times are most reliable. BLAS has one thread: with 2
+threads on a busy machine, SLSQP took up to eight times as long.
 """
 
 from __future__ import annotations
@@ -64,22 +65,24 @@ SQUAT, WALK = f"coman_legs/{STRETCHED}", "melson/walk_5cm"
 THREADS = "OPENBLAS_NUM_THREADS"
 OURS = f"mgs ik4, n = {FEW}"
 SPREAD_SAMPLES, STRETCHED_SAMPLES = 30, 10
-MISSED = 0.1  # [m] or [rad], error of a task that is worth a note
-MAX_ITERATIONS = 300  # of SLSQP to convergence
+MISSED = 0.1  # [m] or [rad] task error above which a note is printed
+MAX_ITERATIONS = 300  # largest number of iterations of SLSQP until convergence
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A robot and its references."""
+    """Robot with references and solver settings."""
 
     name: str
     robot: Robot
     tasks: TaskTrajectory
     com: ComTrajectory
-    gait_with: Callable[[str, int], BalanceGait | WalkGait]  # solver and iterations
+    gait_with: Callable[
+        [str, int], BalanceGait | WalkGait
+    ]  # gait for a solver and a number of iterations
 
     def run(self, method: str, n: int) -> FarajiRun:
-        """A run at its start."""
+        """Run of a solver, at its first sample."""
         solver = FarajiIk.from_parameters(self.gait_with(method, n).ik)
         run = FarajiRun(solver, self.robot, self.tasks, self.com)
         run.start()
@@ -87,14 +90,20 @@ class Case:
 
 
 def main() -> None:
-    """Measure and print."""
+    """Measure all methods and print the results."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--rounds", type=int, default=4, metavar="N", help="default 4")
-    parser.add_argument("--blas-threads", type=int, default=1, metavar="N", help="default 1")
+    parser.add_argument(
+        "--rounds", type=int, default=4, metavar="N", help="number of rounds; default 4"
+    )
+    parser.add_argument(
+        "--blas-threads", type=int, default=1, metavar="N", help="number of BLAS threads; default 1"
+    )
     arguments = parser.parse_args()
     threads = str(arguments.blas_threads)
-    if os.environ.get(THREADS) != threads:  # BLAS reads it when it is loaded, which it now is
+    if (
+        os.environ.get(THREADS) != threads
+    ):  # BLAS is loaded already and reads the variable only once: restart
         os.execve(sys.executable, sys.orig_argv, os.environ | {THREADS: threads})
     figures = measure(arguments.rounds)
     figures["machine"] = {**machine(), "blas_threads": arguments.blas_threads}
@@ -102,7 +111,7 @@ def main() -> None:
 
 
 def measure(rounds: int) -> dict[str, Any]:
-    """All figures."""
+    """Measure all results."""
     cases = [_squat(), _walk()]
     solvers = [_SolverTimes(case) for case in cases]
     same = _SameProblem(cases[0])
@@ -136,7 +145,7 @@ def _squat() -> Case:
 def _walk() -> Case:
     def gait_with(method: str, n: int) -> WalkGait:
         settings = [f"ik.solver={method}", "ik.on_limit=record"]
-        if method in ITERATED:  # for clik it means something else
+        if method in ITERATED:  # for clik this setting has another meaning
             settings.append(f"ik.iterations={n}")
         gait = load_gait(WALK, tuple(settings))
         assert isinstance(gait, WalkGait)
@@ -148,12 +157,12 @@ def _walk() -> Case:
 
 
 class _SolverTimes:
-    """Times of every solver on one motion, to which every round adds."""
+    """Times of every solver on one motion over several rounds."""
 
     def __init__(self, case: Case) -> None:
         self.case = case
         self.notes: dict[str, str] = {}
-        self.iterations: dict[str, float] = {}  # mean of a sample
+        self.iterations: dict[str, float] = {}  # mean number per sample
         self.singles: dict[str, list[Array]] = {}
         self.means: dict[str, list[float]] = {}
         self._todo: dict[str, Callable[[], None]] = {}
@@ -169,7 +178,7 @@ class _SolverTimes:
                 self._todo[method] = partial(self._add_whole, method)
 
     def _is_able(self, method: str) -> bool:
-        """Whether a solver takes the motion; writes a note on what it says of it."""
+        """True if a solver accepts the motion; keeps a note of its refusal or its errors."""
         case = self.case
         solver = IK_SOLVERS.load(method).from_parameters(case.gait_with(method, FEW).ik)
         try:
@@ -226,7 +235,7 @@ def _mean_iterations(run: FarajiRun) -> float:
 
 
 class _SameProblem:
-    """Single samples of ik4 solved by us and by others, in turn."""
+    """Single samples of ik4, solved alternately by mgs and by other solvers."""
 
     def __init__(self, case: Case) -> None:
         run = case.run("ik4", FEW)
@@ -241,7 +250,7 @@ class _SameProblem:
             f"SLSQP, {FEW} iterations": Slsqp(problem, FEW, 1e-6).solve,
             "SLSQP, ftol 1e-6": Slsqp(problem, MAX_ITERATIONS, 1e-6).solve,
             "SLSQP, ftol 1e-10": Slsqp(problem, MAX_ITERATIONS, 1e-10).solve,
-            "SLSQP, ftol 1e-10, our intervals": Slsqp(
+            "SLSQP, ftol 1e-10, intervals of mgs": Slsqp(
                 problem, MAX_ITERATIONS, 1e-10, intervals=True
             ).solve,
             "SLSQP, ftol 1e-10, no Jacobians": Slsqp(
@@ -297,7 +306,7 @@ class _SameProblem:
 
 
 class _Ours:
-    """One step of a run from a given state."""
+    """Solution of one sample by mgs from a given state."""
 
     def __init__(self, run: FarajiRun) -> None:
         self.run = run
@@ -309,14 +318,14 @@ class _Ours:
         return pin.difference(run.robot.model, sample.q_prev, run.q), run.iterations
 
     def count(self, sample: Sample) -> int:
-        """Iterations that a sample takes, at most n."""
+        """Number of iterations of a sample, at most n."""
         with mock.patch.object(self.run, "_iterate", wraps=self.run._iterate) as iterate:
             self.solve(sample)
         return int(iterate.call_count)
 
 
 def _samples(run: FarajiRun) -> list[Sample]:
-    """Follow a run, and choose samples spread over it and over those next to a stretched knee."""
+    """Samples spread over a run, and over its samples close to a stretched knee."""
     found: list[Sample] = []
     n = len(run.configurations)
     for k in range(n):
@@ -330,7 +339,7 @@ def _samples(run: FarajiRun) -> list[Sample]:
         run.q = q_prev
         run.step(k)
     if run.elastic or run.recovering:
-        raise RuntimeError("in some samples region and hard rows contradict each other")
+        raise RuntimeError("safety region and hard rows contradict each other in some samples")
     stretched = [sample.k for sample in found if sample.is_stretched]
     chosen = {*np.linspace(1, n - 1, SPREAD_SAMPLES).astype(int).tolist()}
     chosen |= {
@@ -340,7 +349,7 @@ def _samples(run: FarajiRun) -> list[Sample]:
 
 
 class _Pink:
-    """pink on one motion, to which every round adds."""
+    """Times of pink on one motion over several rounds."""
 
     def __init__(self, case: Case, pink: Any) -> None:
         self.case = case
@@ -354,7 +363,7 @@ class _Pink:
         self.singles.append(self.last.seconds)
 
     def compare(self, times: _SolverTimes) -> None:
-        """Ratios to what our solvers took in the same rounds."""
+        """Compute the ratios to the times of the mgs solvers in the same rounds."""
         means = np.mean(self.singles, axis=1)
         ours = {f"ik4, n = {FEW}": times.means[f"ik4, n = {FEW}"]}
         if "clik" in times.means:
@@ -370,7 +379,7 @@ class _Pink:
 
 
 def _imported(name: str) -> tuple[Any, str]:
-    """A module of this folder, or why it cannot be imported."""
+    """Module of this folder, or the reason why it cannot be imported."""
     try:
         return importlib.import_module(name), ""
     except ModuleNotFoundError as error:

@@ -1,8 +1,8 @@
-"""Time of one IK step, and how much of it Pinocchio takes.
+"""Time of one step of inverse kinematics (IK), and the share of Pinocchio in it.
 
-The solver runs as it is. One step is the time from one update of the task Jacobian to the next,
-stamped by a subclass of `TreeTasks`; the stamps cost 0.1 to 0.2 us each, so that the mean over a
-run without stamps is given beside them.
+The solver is not changed. One step is the time from one update of the task Jacobian to the next,
+recorded by a subclass of `TreeTasks`. Recording takes 0.1 to 0.2 us per step; therefore the mean
+over a run without recording is given as well.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from mgs.robot import load_robot
 
 
 class StampedTasks(TreeTasks):
-    """Writes down when each update begins."""
+    """TreeTasks that record the start time of each update."""
 
     stamps: ClassVar[list[int]] = []  # [ns]
 
     def update(self, q: Array) -> None:
-        """Refill J, f and R."""
+        """Record the time and update J, f and R."""
         self.stamps.append(time.perf_counter_ns())
         super().update(q)
 
@@ -42,19 +42,19 @@ class StampedTasks(TreeTasks):
 class IkFigures:
     """Times per sample [s] of one walk with one set of gains."""
 
-    per_run: Spread  # mean over the samples of a run, over runs
-    step: Spread  # single steps, of all runs together
-    gravity_step: Spread | None  # those in which the gravity task is at work
-    kinematics: Spread  # Pinocchio's share of every single step
-    gravity: Spread  # Pinocchio's share of what the gravity task adds
+    per_run: Spread  # time of a run divided by its samples, over several runs
+    step: Spread  # single steps of all runs
+    gravity_step: Spread | None  # single steps in which the gravity task is active
+    kinematics: Spread  # Pinocchio calls of every single step
+    gravity: Spread  # additional Pinocchio calls of the gravity task
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
+        """Convert to plain data."""
         return asdict(self)
 
 
 class _Runs:
-    """Measurements of one variant of a gait, to which every round adds."""
+    """Measurements of one variant of a gait over several rounds."""
 
     def __init__(self, gait_name: str, assignments: tuple[str, ...]) -> None:
         self.stages = run_stages(load_robot("melson"), load_gait(gait_name, assignments))
@@ -82,7 +82,7 @@ class _Runs:
 def measure(
     gait_name: str, repeats: int, variants: dict[str, tuple[str, ...]]
 ) -> dict[str, IkFigures]:
-    """Solve variants of a gait of Melson's in turn, so that noise meets all of them."""
+    """Solve variants of a Melson gait alternately, so that noise affects all of them equally."""
     runs = {name: _Runs(gait_name, assignments) for name, assignments in variants.items()}
     for _ in range(repeats):
         for run in runs.values():
@@ -105,12 +105,12 @@ def _single_steps(stages: Stages) -> Array:
         motion = stages.motion
         joints = solve_ik(motion.robot, stages.tasks, stages.com, stages.gait.ik)
     if joints.report["newton_updates"]:
-        raise RuntimeError("this gait takes Newton updates, so that updates are not steps")
+        raise RuntimeError("this gait needs Newton updates, so that an update is not a step")
     root = stages.tasks.root
     bounds = [0, *(np.flatnonzero(np.diff(root)) + 1), len(root)]
     steps, end = np.empty(len(root)), len(StampedTasks.stamps)
     for first, last in reversed(list(itertools.pairwise(bounds))):
-        # a span of m samples makes m + 1 updates; those left over belong to the start
+        # a span of m samples has m + 1 updates; the remaining updates belong to the start
         stamps = np.array(StampedTasks.stamps[end - (last - first) - 1 : end])
         steps[first:last] = np.diff(stamps) * 1e-9
         end -= len(stamps)
@@ -118,7 +118,7 @@ def _single_steps(stages: Stages) -> Array:
 
 
 def _gravity_at_work(stages: Stages) -> NDArray[np.bool_]:
-    """Samples (N,) at which the solver evaluates the gravity task."""
+    """Mask (N,) of the samples at which the solver evaluates the gravity task."""
     gait, tasks = stages.gait, stages.tasks
     ramp = gait.ik.gamma_grav_ramp
     factor = clik.gravity_gain_profile(tasks.support, tasks.dt, ramp)
@@ -127,7 +127,7 @@ def _gravity_at_work(stages: Stages) -> NDArray[np.bool_]:
 
 
 def _pinocchio(stages: Stages) -> tuple[Array, Array]:
-    """Times (N,) of Pinocchio's calls alone [s]: kinematics with Jacobians, gravity derivative."""
+    """Times (N,) of Pinocchio calls alone [s]: kinematics with Jacobians, gravity derivative."""
     tasks = TreeTasks(stages.motion.robot, Side.LEFT)
     model, data, frames = tasks.model, tasks.data, (tasks.tree.swing_sole, *tasks.tree.hands)
     angles = np.ascontiguousarray(stages.joints.angles[:, tasks.order])

@@ -1,4 +1,4 @@
-"""The figures of `ik_methods.py` as Markdown."""
+"""Markdown tables of the results of `ik_methods.py`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from mgs.core.plugins import IK_SOLVERS
 
 
 def report(figures: dict[str, Any]) -> str:
-    """The tables."""
+    """All tables of the results."""
     found = figures["machine"]
     head = (
         f"{found['cores']} cores, {found['architecture']}, Python {found['python']}, NumPy "
@@ -29,7 +29,7 @@ def _solvers(found: dict[str, Any]) -> str:
     header, names = ["time per solve [us]"], list(found)
     for name in names:
         freedom = found[name]["freedom"]
-        header += [f"{name} ({freedom} DoF): least", "median", "p99", "iterations"]
+        header += [f"{name} ({freedom} DoF): minimum", "median", "p99", "iterations"]
     labels: list[str] = []
     for name in names:
         labels += [label for label in found[name]["times"] if label not in labels]
@@ -51,15 +51,20 @@ def _solvers(found: dict[str, Any]) -> str:
         rows.append(row)
     for name in names:
         notes += [f"{label} on {name} {note}." for label, note in found[name]["notes"].items()]
-    text = "ik1 to ik5: single solves; the others, without p99: whole solve / samples."
+    text = (
+        "Times of ik1 to ik5 are those of single solves; times of the others, without p99, are "
+        "the time of a whole solve divided by the samples."
+    )
     return f"{table(header, rows)}\n\n{' '.join([text, *notes])}"
 
 
 def _same(found: dict[str, Any]) -> str:
     header = [
-        "ik4's own problem", "least [ms]", "median [ms]", "p99 [ms]", "this / ours",
-        "best of rounds", "iterations, most", "slack [mm]", "slack - ours [um]: least", "median",
-        "most", "hard rows [um, urad]", "region excess",
+        "solver of the ik4 problem", "minimum [ms]", "median [ms]", "p99 [ms]",
+        "time / time of ik4, n = 3",
+        "ratio in the best round", "iterations: median, maximum", "slack [mm]",
+        "slack minus slack of ik4 [um]: minimum", "median",
+        "maximum", "hard-row error [um, urad]", "region excess",
     ]  # fmt: skip
     rows = []
     for name, way in found["ways"].items():
@@ -78,8 +83,9 @@ def _same(found: dict[str, Any]) -> str:
             ]
         )
     text = (
-        f"{found['gait']}, {found['samples']} samples, {found['stretched']} of them next to a "
-        "stretched knee. Slack, iterations: medians; hard rows and region: the worst sample."
+        f"{found['gait']}, {found['samples']} samples, {found['stretched']} of them close to a "
+        "stretched knee. Slack and iterations are medians; hard-row error and region excess are "
+        "those of the worst sample."
     )
     missing = f" Ipopt: {found['missing']}." if found["missing"] else ""
     return f"{table(header, rows)}\n\n{text}{missing}"
@@ -101,5 +107,6 @@ def _pink(found: dict[str, Any] | str, solvers: dict[str, Any]) -> str:
         f"{name}: soles {1e6 * pink['sole_error']:.0f} um, CoM {1e3 * pink['com_error']:.2f} mm"
         for name, pink in found.items()
     )
-    header = ["mean step of a run [us]", "least", "median", "pink / this"]
-    return f"{table(header, rows)}\n\npink's largest errors after a step: {errors}."
+    ratio_column = "time of pink / time in this row"
+    header = ["mean step of a run [us]", "minimum", "median", ratio_column]
+    return f"{table(header, rows)}\n\nLargest errors of pink after a step: {errors}."

@@ -1,6 +1,6 @@
-"""The program of `nonlinear_side` for Ipopt, with the kinematics written out in CasADi's symbols.
+"""The nonlinear program of `nonlinear_side` for Ipopt, with symbolic kinematics in CasADi.
 
-Built once, with exact first and second derivatives; q_prev and the references are parameters.
+It is built once, with exact first and second derivatives; q_prev and references are parameters.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ OPTIONS: dict[str, Any] = {
     "print_time": False,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
-    "ipopt.mu_init": 1e-4,  # the first guess is close; 0.1 would first lead away from it
+    "ipopt.mu_init": 1e-4,  # the initial guess is close; the default 0.1 moves away from it first
 }
 
 
 class Ipopt:
-    """Ipopt on the program; its own tolerances, and a barrier that suits a close first guess."""
+    """Ipopt with default tolerances and an initial barrier parameter for a close guess."""
 
     def __init__(self, problem: Ik4Problem) -> None:
         self.problem, run = problem, problem.run
@@ -66,7 +66,7 @@ class Ipopt:
         self.lower = np.zeros(problem.m_hard + n)
 
     def solve(self, sample: Sample) -> tuple[Array, int]:
-        """The step dq and the number of iterations."""
+        """Solve one sample; returns the step dq and the number of iterations."""
         p = self.problem
         p.set(sample)
         q = sample.q_prev
@@ -92,12 +92,12 @@ def _exponential(v: Any, w: Any) -> tuple[Any, Any]:
         b += term / (order + 2)
         c += term / ((order + 2) * (order + 3))
         term = -term * square / ((order + 2) * (order + 3))
-    # b's terms are 1/(2i+2)!, of which term holds 1/(2i+1)!; c's are 1/(2i+3)!
+    # the terms of b are 1/(2i+2)!, those of c 1/(2i+3)!; `term` is 1/(2i+1)!
     return (eye + b * K + c * (K @ K)) @ v, eye + a * K + b * (K @ K)
 
 
 def _poses(model: pin.Model, base: tuple[Any, Any], joints: Any) -> list[tuple[Any, Any]]:
-    """Position and rotation of every joint frame in the world; revolute joints on one base."""
+    """Position and rotation of every joint frame in the world, for revolute joints on one base."""
     poses: list[tuple[Any, Any]] = [(ca.SX.zeros(3), ca.SX.eye(3)), base]
     for j in range(2, model.njoints):
         axis = _axis(model, j)
@@ -124,7 +124,7 @@ def _times(pose: tuple[Any, Any], placement: pin.SE3) -> tuple[Any, Any]:
 
 
 def _vee(R: Any) -> Any:
-    """Half the skew part of a rotation: its rotation vector to first order, 0 only with it."""
+    """Half of the skew part of a rotation: to first order its rotation vector."""
     return 0.5 * ca.vertcat(R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1])
 
 

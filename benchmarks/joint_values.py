@@ -1,7 +1,7 @@
-"""Whether two versions of mgs give the same joint values for every gait that ships.
+"""Comparison of the joint values of two versions of mgs for every shipped gait.
 
-    python benchmarks/joint_values.py record before.npz     # in the one checkout
-    python benchmarks/joint_values.py compare before.npz    # in the other one
+    python benchmarks/joint_values.py record before.npz     # in the first working copy
+    python benchmarks/joint_values.py compare before.npz    # in the second working copy
 
 Compares configurations q [m, rad] and torques [N m]; exits 1 where q differs by more than 1e-12, or
 a torque by more than 1e-8: it rests on second differences of q, which magnify by 1 / dt^2 = 1e4.
@@ -35,7 +35,7 @@ def joint_values() -> dict[str, Any]:
 
 
 def compare(recorded: Path) -> int:
-    """Print the gaits that differ; the exit code."""
+    """Print the gaits that differ, and return the exit code."""
     here, there = joint_values(), np.load(recorded)
     missing = sorted(here.keys() ^ set(there.files))
     worst = dict.fromkeys(TOLERANCES, 0.0)
@@ -49,7 +49,7 @@ def compare(recorded: Path) -> int:
         if not difference <= TOLERANCES[quantity]:
             different.append(f"{name}: differs by {difference:.3g}")
     for name in missing:
-        print(f"{name}: in one of the two only")
+        print(f"{name}: exists in one version only")
     for line in different:
         print(line)
     figures = ", ".join(f"{value:.3g} in {quantity}" for quantity, value in worst.items())
@@ -58,7 +58,7 @@ def compare(recorded: Path) -> int:
 
 
 def main() -> int:
-    """Record or compare."""
+    """Record or compare the joint values."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )

@@ -1,14 +1,14 @@
-"""How fast libraries are made, as ratios within one run.
+"""Speed of making gait libraries, as ratios within one run.
 
-python benchmarks/libraries.py                 8 times 10 gaits each, about fifteen minutes
-python benchmarks/libraries.py --physics none  two and a half minutes
+python benchmarks/libraries.py                 8 repeats of 10 gaits, about fifteen minutes
+python benchmarks/libraries.py --physics none  without replays, two and a half minutes
 
-Gaits per second of the batch with one worker and with two, of the same work in a plain loop, with
-and without physics. Efficiency is the rate of two workers over twice that of one; overhead is the
-time from gait to gait with one worker over what the worker spends in the work itself, less 1; how
-much slower the same work is there than in the loop is told beside it. All are medians of what is
-found in each of some repeats, by the median gait. Start-up of workers is not counted: the clock
-starts when they are ready, and every worker makes a gait beforehand.
+Measures gaits per second of the batch with one worker and with two workers, and of the same work in
+a plain loop, with and without physics. Efficiency is the rate of two workers divided by twice the
+rate of one worker. Overhead is the time from gait to gait with one worker divided by that of the
+work itself, minus 1. The last figure is the additional time of the work as compared with the loop.
+All values are medians over several repeats of the median gait. The start of workers is not counted:
+the clock starts when they are ready and every worker has made a gait.
 """
 
 from __future__ import annotations
@@ -36,11 +36,20 @@ from mgs.sim import available_engines  # noqa: E402
 
 
 def main() -> None:
-    """Measure and print."""
+    """Measure the rates and print the table."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--gaits", type=int, default=10, metavar="N", help="default 10")
-    parser.add_argument("--repeats", type=int, default=8, metavar="N", help="default 8")
-    parser.add_argument("--physics", choices=["none", "both"], default="both", help="default both")
+    parser.add_argument(
+        "--gaits", type=int, default=10, metavar="N", help="gaits per repeat; default 10"
+    )
+    parser.add_argument(
+        "--repeats", type=int, default=8, metavar="N", help="number of repeats; default 8"
+    )
+    parser.add_argument(
+        "--physics",
+        choices=["none", "both"],
+        default="both",
+        help="physics engines, or none; default both",
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     arguments = parser.parse_args()
     kinds: dict[str, tuple[str, ...]] = {"generation and checks": ()}
@@ -54,13 +63,13 @@ def main() -> None:
 
 
 def measure(n: int, engines: tuple[str, ...], repeats: int) -> dict[str, float]:
-    """Rates [gaits/s], efficiency and overhead."""
+    """Measure rates [gaits/s], efficiency and overhead."""
     with tempfile.TemporaryDirectory() as folder:
         plan = plan_of(Path(folder), n)
         recipe = recipe_of(plan, engines)  # type: ignore[arg-type]
         make_gait(recipe, plan.assignments(0))
-        times: list[tuple[float, float, float, float]] = []  # of one gait, in each repeat
-        for i in range(repeats):  # in turn, since machines are quicker at one time than another
+        times: list[tuple[float, float, float, float]] = []  # times of one gait in each repeat
+        for i in range(repeats):  # alternately, because the speed of the machine varies with time
             loop = statistics.median(loop_times(plan, recipe, Path(folder)))
             one, work = batch_times(plan, recipe, Path(folder) / f"one{i}", 1)
             two, _ = batch_times(plan, recipe, Path(folder) / f"two{i}", 2)
@@ -78,7 +87,7 @@ def measure(n: int, engines: tuple[str, ...], repeats: int) -> dict[str, float]:
 
 
 def plan_of(folder: Path, n: int) -> Plan:
-    """Walks of two steps and 12 s, each a little longer."""
+    """Plan of walks of two steps and 12 s with increasing step length."""
     path = folder / "sweep.yaml"
     axes = {"walk.step_length": {"linspace": [0.01, 0.05, n]}}
     path.write_text(yaml.safe_dump({"mgs": 1, "base": "melson/walk_5cm", "axes": axes}))
@@ -86,7 +95,7 @@ def plan_of(folder: Path, n: int) -> Plan:
 
 
 def loop_times(plan: Plan, recipe: Recipe, folder: Path) -> list[float]:
-    """Time of each gait by the same work, files written too, without Dask and manifest [s]."""
+    """Time of each gait [s] by the same work, including its file, without Dask and manifest."""
     times = []
     for number in range(len(plan.points)):
         start = time.perf_counter()
@@ -98,12 +107,12 @@ def loop_times(plan: Plan, recipe: Recipe, folder: Path) -> list[float]:
 
 
 def batch_times(plan: Plan, recipe: Recipe, folder: Path, workers: int) -> tuple[float, float]:
-    """Time from gait to gait over the number of workers, and that in the work; medians [s]."""
+    """Median time [s] from gait to gait divided by the number of workers, and median work time."""
     kept: list[float] = []
     run_batch(
         plan, recipe, folder, workers=workers, tell=lambda _: kept.append(time.perf_counter())
     )
-    warm = 2 * workers  # the first of each worker finds modules unloaded
+    warm = 2 * workers  # the first gait of each worker includes imports
     pairs = zip(kept[warm:], kept[warm + workers :], strict=False)
     between = [(after - before) / workers for before, after in pairs]
     with contextlib.closing(sqlite3.connect(folder / MANIFEST)) as manifest:
@@ -112,7 +121,7 @@ def batch_times(plan: Plan, recipe: Recipe, folder: Path, workers: int) -> tuple
 
 
 def table(figures: dict[str, dict[str, float]]) -> str:
-    """Markdown."""
+    """Markdown table of the results."""
     lines = [
         "| gaits/s | loop | 1 worker | 2 workers | efficiency | overhead | work slower by |",
         "| --- | --- | --- | --- | --- | --- | --- |",

@@ -1,14 +1,14 @@
-"""The problem of one ik4 sample as the nonlinear program that it is, for SLSQP and for Ipopt.
+"""The problem of one ik4 sample as a nonlinear program for SLSQP and Ipopt.
 
 With dq the tangent step (6 + n,) from q_prev and q = integrate(q_prev, dq), eq. (8):
 
     min delta^T Q delta,   delta = f_s(q) - x_s + gamma (J_s(q) dq - xdot dt)
     s.t.  f_h(q) = x_h   and, for every joint,  1 - place(q)^2 - (dq / (dt qdot_max))^2 >= 0
 
-place being -1 and 1 at the limits: the ellipse of the safety region itself, not the interval that
-it comes down to. Weighed by R our iterations are damped; the problem has no such term. Both solvers
-are given exact derivatives: SLSQP the Jacobians of Pinocchio, Ipopt what CasADi makes of the same
-kinematics written out in its symbols (`pinocchio.casadi` is in no wheel), Hessian included.
+where place is -1 and 1 at the joint limits. The constraint is the ellipse of the safety region
+itself, not the equivalent interval. Iterations of ik4 are damped by R; this problem is not. Both
+solvers get exact derivatives: SLSQP the Jacobians of Pinocchio, Ipopt those of CasADi for the same
+kinematics in symbolic form (no wheel contains `pinocchio.casadi`), with the Hessian.
 """
 
 from __future__ import annotations
@@ -28,31 +28,31 @@ from mgs.ik_solver.hard_soft import FarajiRun
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """One sample of a run: where it starts, and our first guess."""
+    """One sample of a run: its start, and the initial guess of ik4."""
 
     k: int
     q_prev: Array  # (7 + n,)
-    dq: Array  # (6 + n,) to where our iterations start
-    is_stretched: bool  # whether a limb is next to its singularity
+    dq: Array  # (6 + n,) step to the start of the iterations of ik4
+    is_stretched: bool  # True if a limb is close to its singularity
 
 
 @dataclass(frozen=True)
 class Quality:
-    """How well a sample was solved."""
+    """Quality of the solution of one sample."""
 
     slack: float  # |delta|_Q [m]
-    hard_error: float  # largest row [m] or [rad]
-    region_excess: float  # of eq. (6), 0 or less inside
+    hard_error: float  # largest error of the hard rows [m] or [rad]
+    region_excess: float  # left side of eq. (6), 0 or less inside the region
 
     def to_list(self) -> list[float]:
-        """As a row of numbers."""
+        """Convert to a list of numbers."""
         return [self.slack, self.hard_error, self.region_excess]
 
 
 class Ik4Problem:
     """Values and derivatives of the program at one sample, by Pinocchio.
 
-    Everything that belongs to one dq is computed once, whoever asks for it first.
+    Values of one dq are computed once and kept.
     """
 
     def __init__(self, run: FarajiRun) -> None:
@@ -62,7 +62,7 @@ class Ik4Problem:
         self.soft = slice(self.m_hard, self.tasks.m)
         (part,) = run.tasks.parts[-1:]
         if run.solver.method != 4 or self.tasks.m - self.m_hard != 3 or part != "com":
-            raise ValueError("this is written for ik4 with the CoM as the only soft task")
+            raise ValueError("only ik4 with the CoM as its only soft task is supported")
         region = run.region
         self.middle, self.half = region.middle, 0.5 * (region.upper - region.lower)
         self.reach = region.speed_max * region.dt
@@ -83,7 +83,7 @@ class Ik4Problem:
         return found
 
     def set(self, sample: Sample) -> None:
-        """Turn to another sample."""
+        """Select a sample."""
         targets, k = self.run.targets, sample.k
         self.q_prev, self.x, self.rotations = sample.q_prev, targets.x[k], targets.rotations[k]
         self.step = self.run.steps_soft[k]
@@ -116,33 +116,33 @@ class Ik4Problem:
         self._d_hard = J[: self.m_hard].dot(turn)
 
     def objective(self, dq: Array) -> float:
-        """delta^T Q delta [m^2]."""
+        """Objective delta^T Q delta [m^2]."""
         self._update(dq)
         return float(self.delta.dot(self.weights * self.delta))
 
     def gradient(self, dq: Array) -> Array:
-        """Of the objective."""
+        """Gradient of the objective."""
         self._derive(dq)
         return 2.0 * (self.weights * self.delta).dot(self._d_delta)
 
     def hard(self, dq: Array) -> Array:
-        """f_h - x_h."""
+        """Residuals f_h - x_h of the hard rows."""
         self._update(dq)
         return -self.error[: self.m_hard]
 
     def hard_jacobian(self, dq: Array) -> Array:
-        """Of the hard rows."""
+        """Jacobian of the residuals of the hard rows."""
         self._derive(dq)
         return self._d_hard
 
     def room(self, dq: Array) -> Array:
-        """(n,) 0 on the ellipse, positive within."""
+        """Left sides (n,) of the region constraints: 0 on the ellipse, positive inside."""
         joints = dq[FLOATING_BASE_NV:]
         place = (self.q_prev[FLOATING_BASE_NQ:] + joints - self.middle) / self.half
         return 1.0 - place**2 - (joints / self.reach) ** 2
 
     def room_jacobian(self, dq: Array) -> Array:
-        """Of the room."""
+        """Jacobian of the region constraints."""
         joints = dq[FLOATING_BASE_NV:]
         place = (self.q_prev[FLOATING_BASE_NQ:] + joints - self.middle) / self.half
         J = np.zeros((len(joints), len(dq)))
@@ -151,7 +151,7 @@ class Ik4Problem:
         return J
 
     def quality(self, dq: Array) -> Quality:
-        """Of a solution."""
+        """Quality of a solution dq."""
         return Quality(
             slack=float(np.sqrt(self.objective(dq))),
             hard_error=float(np.abs(self.hard(dq)).max()),
@@ -160,14 +160,14 @@ class Ik4Problem:
 
 
 class Slsqp:
-    """SciPy's SLSQP on the program.
+    """SLSQP of SciPy for this program.
 
     Args:
-        problem: the program.
-        maxiter: most iterations.
-        ftol: SLSQP's tolerance on the objective [m^2] and on the sum of the violations.
-        intervals: give it our intervals as bounds instead of the ellipses.
-        exact: give it Jacobians; else it takes differences.
+        problem: the nonlinear program.
+        maxiter: largest number of iterations.
+        ftol: tolerance of SLSQP for the objective [m^2] and the sum of the violations.
+        intervals: use the intervals of mgs as bounds instead of the ellipses.
+        exact: use exact Jacobians instead of finite differences.
     """
 
     def __init__(
@@ -195,7 +195,7 @@ class Slsqp:
         self._interval = np.empty((2, n))
 
     def solve(self, sample: Sample) -> tuple[Array, int]:
-        """The step dq and the number of iterations."""
+        """Solve one sample; returns the step dq and the number of iterations."""
         p, bounds = self.problem, None
         p.set(sample)
         if self.intervals:

@@ -1,7 +1,7 @@
-"""pink's differential IK on a motion of ours: one step per sample.
+"""Differential IK by pink on a motion of mgs, with one step per sample.
 
-Tasks as pink's own examples have them: both soles, the CoM, the torso's orientation and a small
-pull to the posture, all weighted; limits of joint positions and speeds as inequalities.
+The tasks are those of the examples of pink: both soles, CoM, torso orientation and a posture task
+with a small weight. Limits of joint positions and speeds are inequalities.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ class PinkRun:
 
 
 class PinkSide:
-    """pink on one motion.
+    """Run of pink on one motion.
 
     Args:
-        robot: the robot.
+        robot: robot model.
         tasks: sole and torso references.
-        com: the CoM reference.
-        q0: where to start (7 + n,).
+        com: CoM reference.
+        q0: initial configuration (7 + n,).
         speed_max: largest joint speeds (n,) [rad/s].
     """
 
@@ -57,7 +57,7 @@ class PinkSide:
         speed_max: Array,
     ) -> None:
         self.version = importlib.metadata.version("pin-pink")
-        self.model = pin.Model(robot.model)  # pink writes into it
+        self.model = pin.Model(robot.model)  # a copy, because pink modifies the model
         self.q0, self.dt = q0, tasks.dt
         names = [self.model.frames[i].name for i in (*robot.sole_frames, robot.torso_frame)]
         self.soles = [FrameTask(name, SOLE_COST, SOLE_COST) for name in names[:2]]
@@ -71,7 +71,7 @@ class PinkSide:
         self.torso_targets, self.com_targets = _poses(torso), com.position
 
     def run(self) -> PinkRun:
-        """One pass over the motion; the clock leaves out what measures the errors."""
+        """Run over the motion once; the times exclude the measurement of errors."""
         data = self.model.createData()
         configuration = pink.Configuration(self.model, data, self.q0)
         tasks: list[Task] = [*self.soles, self.torso, self.com, self.posture]
@@ -95,6 +95,6 @@ class PinkSide:
 
 
 def _poses(poses: Array) -> list[pin.SE3]:
-    """Of positions and quaternions xyzw (N, 7)."""
+    """Poses from positions and quaternions xyzw (N, 7)."""
     rotations = rotations_from_quat_xyzw(poses[:, 3:])
     return [pin.SE3(R, p) for R, p in zip(rotations, poses[:, :3], strict=True)]

@@ -1,4 +1,4 @@
-"""placo's IK step and ours, in turn, on one machine and the same motion."""
+"""Comparison of the IK steps of placo and mgs, run alternately on the same motion."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ RUNS_IN_A_ROW = 3
 
 
 def compare(python: str, gait: str, rounds: int) -> dict[str, Any]:
-    """Mean times of a step [s] of both, and their ratio: of the best runs, median over rounds.
+    """Mean times of a step [s] of both, and the ratio of their fastest runs (median over rounds).
 
     Args:
-        python: an interpreter that can import placo.
-        gait: a gait of Melson's.
-        rounds: how often both take their turn.
+        python: Python interpreter with the package placo.
+        gait: name of a Melson gait.
+        rounds: number of rounds, in which both run alternately.
     """
     stages = run_stages(load_robot("melson"), load_gait(gait, ("ik.gamma_grav=0",)))
-    ours: list[list[float]] = []  # by round
+    ours: list[list[float]] = []  # times of each round
     theirs: dict[str, list[list[float]]] = {}
     errors: list[tuple[float, float]] = []
     version = ""
@@ -62,7 +62,7 @@ def compare(python: str, gait: str, rounds: int) -> dict[str, Any]:
 
 
 def write_tasks(motion: Motion, path: Path) -> None:
-    """What placo is asked to follow: feet, CoM and torso as the joints of a motion put them."""
+    """Write the tasks of placo: feet, CoM and torso along the joint trajectory of a motion."""
     robot, n = motion.robot, motion.n_samples
     data = robot.model.createData()
     frames = [robot.model.getBodyId(link) for link in LINKS]

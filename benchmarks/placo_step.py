@@ -1,9 +1,9 @@
-"""placo's own IK step on a motion of ours; run by `run.py` in a Python that has placo.
+"""IK step of placo on a motion of mgs; `run.py` starts this script in a Python with placo.
 
-python placo_step.py ROBOT.urdf TASKS.npz REPEATS    prints one JSON object
+python placo_step.py ROBOT.urdf TASKS.npz REPEATS    print one JSON object
 
-Tasks: both feet (hard), CoM and torso orientation (soft), as in placo's walking examples. One step
-is what a control loop does per sample: set the targets, update the kinematics, solve, integrate.
+Tasks: both feet (hard), CoM and torso orientation (soft), as in the walking examples of placo. A
+step sets the targets, updates the kinematics, solves and integrates, as a control loop does.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import placo
 
 
 def main(urdf: str, tasks_file: str, repeats: int) -> None:
-    """Print figures with and without joint limits."""
+    """Print the results with and without joint limits."""
     tasks = dict(np.load(tasks_file))
     figures = {
         name: [_run(urdf, tasks, joint_limits) for _ in range(repeats)]

@@ -1,13 +1,13 @@
-"""How fast QP solvers are on the problems that ik4 makes, each called from Python.
+"""Speed of QP solvers, called from Python, on the quadratic programs of ik4.
 
-python benchmarks/qp_solvers.py         as a Markdown table
-python benchmarks/qp_solvers.py --json  the same as one JSON object
+python benchmarks/qp_solvers.py         output as a Markdown table
+python benchmarks/qp_solvers.py --json  output as one JSON object
 
-Every quadratic program of one run is recorded: ik4 with three iterations, on a squat of COMAN's
-legs that asks for more height than they have. Each is then solved afresh, nothing carried over, by
-DAQP as mgs does, and by those of quadprog, ProxQP and OSQP that are installed; eiquadprog's wheel
-is a C++ library without a Python module. A time is that of a problem brought into the solver's form
-and solved, the least of several.
+Every quadratic program of one run of ik4 with three iterations is recorded, on a squat of the legs
+of COMAN whose CoM reference is out of reach. Each program is then solved without warm start by
+DAQP, as in mgs, and by quadprog, ProxQP and OSQP if they are installed (the wheel of eiquadprog
+has no Python module). A time includes the conversion to the form of the solver; it is the minimum
+of several measurements.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ ASSIGNMENTS = (
     "ik.on_limit=record",
     "balance.duration=5.0",
 )
-MEET = 1e-6  # violation up to which a solution counts for the best cost
+MEET = 1e-6  # largest violation of a solution that is compared by cost
 OSQP_TOLERANCE, OSQP_ITERATIONS = 1e-7, 4000
 PROXQP_TOLERANCE = 1e-9
 
@@ -61,13 +61,13 @@ class Problem:
     high: Array
 
     def violation(self, x: Array) -> float:
-        """Of equalities and bounds [m] or [rad]."""
+        """Largest violation of equalities and bounds [m] or [rad]."""
         joints = x[FLOATING_BASE_NV:]
         rows = (np.abs(self.A @ x - self.b), self.low - joints, joints - self.high)
         return float(max(row.max(initial=0.0) for row in rows))
 
     def cost(self, x: Array) -> float:
-        """What is minimised."""
+        """Objective function."""
         return float(0.5 * x @ self.H @ x + self.g @ x)
 
 
@@ -75,12 +75,12 @@ Solve = Callable[[Problem], Array]
 
 
 class RecordingQp(BoundedQp):
-    """Keeps copies of the problems it is given."""
+    """BoundedQp that records copies of its problems."""
 
     problems: list[Problem]
 
     def solve(self, H: Array, g: Array, A: Array, b: Array) -> Array:
-        """As `BoundedQp.solve`; problems without a solution are left out."""
+        """Solve as `BoundedQp.solve`, and record the problem if it has a solution."""
         problem = Problem(H.copy(), g.copy(), A.copy(), b.copy(), self.low.copy(), self.high.copy())
         x = super().solve(H, g, A, b)
         if not self.elastic:
@@ -89,7 +89,7 @@ class RecordingQp(BoundedQp):
 
 
 def record() -> list[Problem]:
-    """All problems of one run, those of its start too."""
+    """All problems of one run, including those of its start."""
     problems: list[Problem] = []
     kind = type("Recording", (RecordingQp,), {"problems": problems})
     with mock.patch.object(hard_soft, "BoundedQp", kind):
@@ -178,7 +178,7 @@ SOLVERS: dict[str, Callable[[ModuleType, Problem], Solve]] = {
 
 
 def measure(name: str, problems: list[Problem], repeats: int) -> dict[str, Any] | None:
-    """Times [s] and solutions of one solver; None if it is not installed."""
+    """Times [s] and solutions of one solver; None if the solver is not installed."""
     try:
         module = importlib.import_module(name)
         version = importlib.metadata.version(name)
@@ -193,7 +193,7 @@ def measure(name: str, problems: list[Problem], repeats: int) -> dict[str, Any] 
             start = time.perf_counter()
             try:
                 x = solve(problem)
-            except (ArithmeticError, ValueError):  # a solver's word for "no solution"
+            except (ArithmeticError, ValueError):  # exceptions of solvers that find no solution
                 x = np.full(len(problem.g), np.nan)
             times[i, k] = time.perf_counter() - start
             solutions.append(x)
@@ -201,7 +201,7 @@ def measure(name: str, problems: list[Problem], repeats: int) -> dict[str, Any] 
 
 
 def compare(problems: list[Problem], repeats: int) -> dict[str, dict[str, Any] | None]:
-    """Figures of every solver, of the least time of each problem."""
+    """Results of every solver, from the minimum time of each problem."""
     found = {name: measure(name, problems, repeats) for name in SOLVERS}
     costs, violations = {}, {}
     for name, result in found.items():
@@ -228,14 +228,14 @@ def compare(problems: list[Problem], repeats: int) -> dict[str, dict[str, Any] |
 
 
 def report(figures: dict[str, Any]) -> str:
-    """A line on the problems, and a table."""
+    """Summary of the problems, and a Markdown table."""
     size = figures["size"]
     head = (
-        f"{figures['problems']} problems of {size['unknowns']} unknowns, {size['equalities']} "
+        f"{figures['problems']} problems with {size['unknowns']} unknowns, {size['equalities']} "
         f"equalities and bounds on {size['bounded']}; a bound is reached in "
         f"{figures['at_bounds']} of them."
     )
-    header = ["solver", "median [us]", "least [us]", "p99 [us]", "violation", "cost gap"]
+    header = ["solver", "median [us]", "minimum [us]", "p99 [us]", "violation", "cost gap"]
     rows = []
     for name, found in figures["solvers"].items():
         if found is None:
@@ -255,7 +255,7 @@ def report(figures: dict[str, Any]) -> str:
 
 
 def main() -> None:
-    """Record, measure and print."""
+    """Record the problems, measure the solvers and print the results."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--repeats", type=int, default=5, metavar="N", help="default 5")

@@ -1,10 +1,10 @@
-"""How fast mgs is, as ratios within one run; docs/benchmarks.md has the tables of one.
+"""Computing times and memory of mgs, as ratios within one run; results are in docs/benchmarks.md.
 
-python benchmarks/run.py                                 all of it, about two minutes
-python benchmarks/run.py --placo-python VENV/bin/python  beside placo's IK step
-python benchmarks/run.py --json                          the same as one JSON object
+python benchmarks/run.py                                 all measurements, about two minutes
+python benchmarks/run.py --placo-python VENV/bin/python  comparison with the IK step of placo
+python benchmarks/run.py --json                          output as one JSON object
 
-Prints Markdown. Times are medians and minima of several measurements; nothing is asserted.
+Prints Markdown tables. Times are minima and medians of several measurements.
 """
 
 from __future__ import annotations
@@ -38,12 +38,17 @@ VARIANTS: dict[str, tuple[str, ...]] = {
 
 
 def main() -> None:
-    """Measure and print."""
+    """Measure times and memory, and print the tables."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--placo-python", metavar="PYTHON", help="an interpreter that has placo")
-    parser.add_argument("--repeats", type=int, default=5, metavar="N", help="default 5")
-    parser.add_argument("--n-steps", type=int, nargs="*", default=[2, 20, 200, 2000], metavar="N")
+    parser.add_argument(
+        "--placo-python", metavar="PYTHON", help="Python interpreter with the package placo"
+    )
+    parser.add_argument(
+        "--repeats", type=int, default=5, metavar="N", help="number of measurements; default 5"
+    )
+    parser.add_argument("--n-steps", type=int, nargs="*", default=[2, 20, 200, 2000], metavar="N",
+                        help="numbers of steps of the long walks")  # fmt: skip
     arguments = parser.parse_args()
     repeats, python = arguments.repeats, arguments.placo_python
     figures: dict[str, Any] = {
@@ -60,7 +65,7 @@ def main() -> None:
 
 
 def machine() -> dict[str, Any]:
-    """What was measured on, in general terms."""
+    """Hardware and software on which the measurements are made."""
     packages = ("numpy", "scipy", "pin")
     return {
         "cores": os.cpu_count(),
@@ -83,7 +88,7 @@ def stage_times(repeats: int) -> dict[str, Any]:
             middle = time.perf_counter()
             read_motion(path)
             end = time.perf_counter()
-            if i == 0:  # finds caches empty and modules unloaded, as the whole command does
+            if i == 0:  # the first run starts with empty caches, as in a separate process
                 continue
             seconds = stages.seconds | {"write": middle - start, "read": end - middle}
             for name, value in seconds.items():

@@ -1,4 +1,4 @@
-"""What modelled servos do to a walk, and what feed-forward commands do about it.
+"""Influence of modelled servos and of feed-forward commands on replays of walks.
 
 Run as `python benchmarks/servo_study.py [stiffness|step|servo|command|gaits ...]`; prints the
 tables of docs/simulation.md as Markdown. A cell is one replay: largest tilt [deg], root mean square
@@ -25,7 +25,12 @@ from mgs.robot import build_robot, load_robot, servos_of
 from mgs.sim import DEFAULTS, EngineName, available_engines, replay
 
 WALKS = ("melson/walk_5cm", "melson/walk_practical")
-STIFFNESS = (17.1, 34.2, 100.0, 300.0)  # of the legs [N m/rad]; 17.1 is compliance slope 32
+STIFFNESS = (
+    17.1,
+    34.2,
+    100.0,
+    300.0,
+)  # stiffness of the leg servos [N m/rad]; 17.1 is compliance slope 32
 SERVOS: dict[str, dict[str, float]] = {
     "as in robot.yaml": {},
     "latency 0": {"latency": 0.0},
@@ -40,7 +45,7 @@ SERVOS: dict[str, dict[str, float]] = {
 
 
 def changed(motion: Motion, changes: Callable[[dict[str, Any]], Mapping[str, float]]) -> Motion:
-    """The motion for a robot whose servos have other figures, by `changes` from the old ones."""
+    """Motion of a robot with changed servo parameters, as given by `changes`."""
     tree = yaml.safe_load(motion.robot.yaml)
     for servo in tree["servos"].values():
         slope = servo.pop("compliance_slope")
@@ -51,7 +56,7 @@ def changed(motion: Motion, changes: Callable[[dict[str, Any]], Mapping[str, flo
 
 
 def with_stiffness(motion: Motion, stiffness: float) -> Motion:
-    """The motion for another stiffness at the legs [N m/rad], at the arms in proportion."""
+    """Motion of a robot with another stiffness of the leg servos [N m/rad], arms in proportion."""
 
     def change(servo: dict[str, Any]) -> dict[str, float]:
         scaled = stiffness * servo["stall_torque"] / 2.8
@@ -61,7 +66,7 @@ def with_stiffness(motion: Motion, stiffness: float) -> Motion:
 
 
 def cell(motion: Motion, engine: EngineName, feed_forward: bool, step: float = 1.0) -> str:
-    """Figures of one replay; `step` in default steps."""
+    """Results of one replay; `step` is a multiple of the default time step."""
     settings = DEFAULTS[engine]
     settings = dataclasses.replace(settings, dt=step * settings.dt)
     result = replay(motion, engine, settings, servo="model", feed_forward=feed_forward)
@@ -72,12 +77,12 @@ def cell(motion: Motion, engine: EngineName, feed_forward: bool, step: float = 1
 
 
 def table(head: str, columns: list[str]) -> None:
-    """Print the head of a table."""
+    """Print the header of a table."""
     print(f"\n| {' | '.join([head, *columns])} |\n|{' --- |' * (1 + len(columns))}")
 
 
 def with_and_without(label: str, motion: Motion, step: float = 1.0) -> None:
-    """Print one line: every engine with and without feed-forward."""
+    """Print one row: every engine with and without feed-forward."""
     cells = [
         cell(motion, engine, feed_forward, step)
         for engine in available_engines()
@@ -87,18 +92,18 @@ def with_and_without(label: str, motion: Motion, step: float = 1.0) -> None:
 
 
 def both() -> list[str]:
-    """Columns of `with_and_without`."""
+    """Column names of `with_and_without`."""
     kinds = ("with feed-forward", "without")
     return [f"{engine}, {kind}" for engine in available_engines() for kind in kinds]
 
 
 def walk(name: str) -> Motion:
-    """A shipped walk of Melson's."""
+    """Motion of a shipped Melson walk."""
     return generate(load_robot("melson"), load_gait(name), name).motion
 
 
 def study_stiffness() -> None:
-    """Walks at several stiffnesses."""
+    """Print the results of walks at several stiffnesses."""
     table("walk, stiffness of the legs [N m/rad]", both())
     for name in WALKS:
         motion = walk(name)
@@ -108,7 +113,7 @@ def study_stiffness() -> None:
 
 
 def study_step() -> None:
-    """A walk at several physics steps."""
+    """Print the results of a walk at several time steps of the simulation."""
     motion = walk(WALKS[1])
     table("walk_practical, physics step", both())
     for label, step in (("default", 1.0), ("half", 0.5), ("a quarter", 0.25)):
@@ -116,7 +121,7 @@ def study_step() -> None:
 
 
 def study_gaits() -> None:
-    """Every shipped gait of Melson's."""
+    """Print the results of every shipped Melson gait."""
     table("gait", both())
     for name in list_gaits():
         if name.startswith("melson/"):
@@ -124,7 +129,7 @@ def study_gaits() -> None:
 
 
 def study_servo() -> None:
-    """One property of the servos changed at a time, with feed-forward."""
+    """Print the results of a walk with one changed servo property at a time, with feed-forward."""
     motion = walk(WALKS[1])
     table("walk_practical, servos", list(available_engines()))
     for label, change in SERVOS.items():
@@ -134,14 +139,14 @@ def study_servo() -> None:
 
 
 def halved(motion: Motion) -> Array:
-    """Torques (N, n) [N m] if in double support each foot bore half of the weight."""
+    """Joint torques (N, n) [N m] if each foot carried half of the weight in double support."""
     alone = [motion.support == Support.LEFT, motion.support == Support.RIGHT]
     load_left = np.select(alone, [1.0, 0.0], 0.5)
     return analyse(motion.robot, motion.q, motion.dt, load_left).torque
 
 
 def study_command() -> None:
-    """The commands with one of their terms left out, by taking it from the torque beforehand."""
+    """Print the results of commands without one of their terms, which is subtracted from torque."""
     motion = walk(WALKS[1])
     servos, v = servos_of(motion.robot), motion.v[:, 6:]
     rotors = motion.robot.armature * np.gradient(v, motion.dt, axis=0)
@@ -171,7 +176,7 @@ STUDIES = {
 
 
 def main() -> None:
-    """Print the tables asked for, or all."""
+    """Print the selected tables, or all of them."""
     for name in sys.argv[1:] or STUDIES:
         STUDIES[name]()
 

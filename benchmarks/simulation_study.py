@@ -1,4 +1,4 @@
-"""How much replays depend on step, iterations and servo gains: the tables of docs/simulation.md.
+"""Influence of time step, iterations and servo gains on replays: tables of docs/simulation.md.
 
 Run as `python benchmarks/simulation_study.py [pybullet|mujoco ...]`; prints Markdown. One figure is
 changed at a time, all others keep their defaults. Columns: tilt after settling, rocking (the
@@ -40,7 +40,7 @@ VARIATIONS: dict[EngineName, dict[str, tuple[float, ...]]] = {
 
 
 def cases(engine: EngineName, robot: Robot) -> Iterator[tuple[str, Robot, Settings]]:
-    """The default and every departure from it, with a label."""
+    """Default settings and every single change of them, with labels."""
     default = DEFAULTS[engine]
     yield "default", robot, default
     for key, values in VARIATIONS[engine].items():
@@ -54,7 +54,7 @@ def cases(engine: EngineName, robot: Robot) -> Iterator[tuple[str, Robot, Settin
 
 
 def standing(motion: Motion, seconds: float = 3.0) -> Motion:
-    """The first sample of a motion, held."""
+    """Motion that holds the first sample of a motion."""
     samples = np.zeros(round(seconds / motion.dt) + 1, dtype=int)
     names = ("q", "v", "support", "soles")
     return dataclasses.replace(motion, **{name: getattr(motion, name)[samples] for name in names})
@@ -63,7 +63,7 @@ def standing(motion: Motion, seconds: float = 3.0) -> Motion:
 def row(
     label: str, robot: Robot, settings: Settings, engine: EngineName, walks: list[Motion]
 ) -> str:
-    """One line of the table."""
+    """Row of the table."""
     motions = [dataclasses.replace(walk, robot=robot) for walk in (standing(walks[0]), *walks)]
     still, *replays = (replay(motion, engine, settings) for motion in motions)
     turn = rotation_angles(still.trace.q[:1, 3:7], still.trace.q[:, 3:7]).max()
@@ -73,7 +73,7 @@ def row(
 
 
 def walk_cell(walk: Replay) -> str:
-    """Verdict and figures of one walk."""
+    """Verdict and results of one walk."""
     if walk.fell:
         return f"fell at {walk.fall_time:.1f} s"
     figures = (walk.max_tilt_deg, 1e3 * walk.sole_slip_max, 1e3 * walk.position_error)

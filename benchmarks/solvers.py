@@ -1,10 +1,10 @@
-"""Every IK solver on one gait: the table of docs/solvers.md.
+"""Comparison of all IK solvers on one gait: the table of docs/solvers.md.
 
-python benchmarks/solvers.py               static figures, about ten seconds
-python benchmarks/solvers.py --physics     also a replay in every engine present
-python benchmarks/solvers.py --json        the same as one JSON object
+python benchmarks/solvers.py               static checks only, about ten seconds
+python benchmarks/solvers.py --physics     also a replay in every installed engine
+python benchmarks/solvers.py --json        output as one JSON object
 
-All solvers are given the same references; what they are not asked for is theirs to choose.
+All solvers get the same references; each chooses the joint angles that no task determines.
 """
 
 from __future__ import annotations
@@ -30,10 +30,12 @@ WALK = "melson/walk_5cm"
 
 
 def main() -> None:
-    """Measure and print."""
+    """Measure all solvers and print the results."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("gait", nargs="?", default=WALK, help=f"default {WALK}")
-    parser.add_argument("--physics", action="store_true", help="replay in every engine present")
+    parser.add_argument("gait", nargs="?", default=WALK, help=f"name of the gait; default {WALK}")
+    parser.add_argument(
+        "--physics", action="store_true", help="also replay the motion in every installed engine"
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     arguments = parser.parse_args()
     found = {name: measure(arguments.gait, name, arguments.physics) for name in IK_SOLVERS.own}
@@ -44,7 +46,7 @@ def main() -> None:
 
 
 def measure(gait_name: str, solver: str, physics: bool) -> dict[str, Any]:
-    """Figures of one solver; times are the least of three runs without the dynamic filter."""
+    """Results of one solver; the time is the minimum of three runs without the dynamic filter."""
     gait = load_gait(gait_name, (f"ik.solver={solver}",))
     assert gait.robot is not None
     robot = load_robot(gait.robot)
@@ -75,10 +77,10 @@ def rms_jerk(motion: Motion) -> float:
 
 
 def report(found: dict[str, dict[str, Any]]) -> str:
-    """The table."""
+    """Markdown table of the results."""
     header = [
         "solver", "soles [um]", "hands [um]", "CoM [um]", "peak torque [N m]",
-        "RMS jerk [rad/s^3]", "limit margin [deg]", "time a sample [us]", "verdict",
+        "RMS jerk [rad/s^3]", "limit margin [deg]", "time per sample [us]", "verdict",
     ]  # fmt: skip
     rows = []
     for name, figures in found.items():

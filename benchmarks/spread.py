@@ -1,4 +1,4 @@
-"""Several measurements of one time."""
+"""Statistics of repeated time measurements."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class Spread:
-    """Of times in seconds. Noise of a shared machine only adds, so the least says most."""
+    """Statistics of measured times [s]; noise only adds time, so the minimum is most reliable."""
 
     least: float
     median: float
@@ -19,12 +19,12 @@ class Spread:
     n: int
 
     def to_dict(self) -> dict[str, float]:
-        """As plain data."""
+        """Convert to plain data."""
         return asdict(self)
 
 
 def spread(seconds: Sequence[float] | NDArray[np.float64]) -> Spread:
-    """Spread of measurements [s]."""
+    """Statistics of measured times [s]."""
     values = np.asarray(seconds, dtype=np.float64)
     median, p99 = np.percentile(values, [50.0, 99.0])
     return Spread(float(values.min()), float(median), float(p99), len(values))

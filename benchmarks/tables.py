@@ -1,15 +1,21 @@
-"""The figures of `run.py` as Markdown."""
+"""Markdown tables of the results of `run.py`."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from typing import Any
 
-MEMORY_BOUND = 500  # [MB] that a walk of 160 000 samples may take
+MEMORY_BOUND = 500  # [MB] largest memory of a walk of 160 000 samples
+NAMES = {  # labels of results in the tables
+    "with the gravity task": "with gravity task",
+    "without": "without gravity task",
+    "its imports": "imports of mgs generate",
+    "python alone": "python without imports",
+}
 
 
 def report(figures: dict[str, Any]) -> str:
-    """All tables, in the order in which they were measured."""
+    """All tables, in the order of the measurements."""
     machine = figures["machine"]
     head = (
         f"{machine['cores']} cores, {machine['architecture']}, Python {machine['python']}, "
@@ -27,7 +33,7 @@ def report(figures: dict[str, Any]) -> str:
 
 
 def table(header: list[str], rows: Iterable[list[str]]) -> str:
-    """A Markdown table; the first column to the left, figures to the right."""
+    """Markdown table; the first column is left-aligned, all others are right-aligned."""
     rule = ["---", *["---:"] * (len(header) - 1)]
     return "\n".join("| " + " | ".join(row) + " |" for row in [header, rule, *rows])
 
@@ -44,14 +50,14 @@ def _ik(figures: dict[str, Any]) -> str:
     rows, ik = [], figures["ik"]
     for name, found in ik.items():
         for label, key in (
-            ("run / samples", "per_run"),
+            ("time of a run / samples", "per_run"),
             ("single steps", "step"),
-            ("single steps that use it", "gravity_step"),
+            ("single steps in which it is active", "gravity_step"),
         ):
             times = found[key]
             if times is not None:
                 cells = [_us(times[k]) for k in ("least", "median", "p99")]
-                rows.append([f"{name}: {label}", *cells])
+                rows.append([f"{NAMES[name]}: {label}", *cells])
     for label, key in (
         ("kinematics and Jacobians", "kinematics"),
         ("gravity derivative", "gravity"),
@@ -60,18 +66,18 @@ def _ik(figures: dict[str, Any]) -> str:
         cells = [_us(times[k]) for k in ("least", "median", "p99")]
         rows.append([f"Pinocchio in a single step: {label}", *cells])
     title = f"IK step on {figures['walk']} [us]"
-    return f"{table([title, 'least', 'median', 'p99'], rows)}\n\n{_shares(ik)}"
+    return f"{table([title, 'minimum', 'median', 'p99'], rows)}\n\n{_shares(ik)}"
 
 
 def _shares(ik: dict[str, Any]) -> str:
-    """Ratios of the medians of single steps, which were measured in turn."""
+    """Ratios of the medians of single steps, which are measured alternately."""
     found = ik["without"]
     kinematics, gravity = found["kinematics"]["median"], found["gravity"]["median"]
     plain, heavy = found["step"]["median"], ik["with the gravity task"]["gravity_step"]["median"]
     return (
-        f"By medians, Pinocchio takes {kinematics / plain:.0%} of a single step without the "
-        f"gravity task and {(kinematics + gravity) / heavy:.0%} of one with it, which takes "
-        f"{heavy / plain:.2f} times as long."
+        f"Ratios of medians: Pinocchio takes {kinematics / plain:.0%} of a single step without "
+        f"gravity task and {(kinematics + gravity) / heavy:.0%} of a single step with gravity "
+        f"task. A step with gravity task takes {heavy / plain:.2f} times as long as one without it."
     )
 
 
@@ -82,19 +88,19 @@ def _stages(figures: dict[str, Any]) -> str:
         [name, _ms(t["least"]), _ms(t["median"]), _us(t["median"] / n)]
         for name, t in found["seconds"].items()
     ]
-    title = f"{figures['walk']}, {n} samples, {found['bytes'] / 1e6:.1f} MB"
-    return table([title, "least [ms]", "median [ms]", "a sample [us]"], rows)
+    title = f"stage, {figures['walk']}, {n} samples, {found['bytes'] / 1e6:.1f} MB"
+    return table([title, "minimum [ms]", "median [ms]", "per sample [us]"], rows)
 
 
 def _command(figures: dict[str, Any]) -> str:
     found = figures["command"]
     whole = found["mgs generate"]["median"]
     rows = [
-        [name, _ms(t["least"]), _ms(t["median"]), f"{t['median'] / whole:.0%}"]
+        [NAMES.get(name, name), _ms(t["least"]), _ms(t["median"]), f"{t['median'] / whole:.0%}"]
         for name, t in found.items()
     ]
-    title = f"whole process, {figures['walk']}"
-    return table([title, "least [ms]", "median [ms]", "of the command"], rows)
+    title = f"process, {figures['walk']}"
+    return table([title, "minimum [ms]", "median [ms]", "share of mgs generate"], rows)
 
 
 def _growth(figures: dict[str, Any]) -> str:
@@ -109,20 +115,22 @@ def _growth(figures: dict[str, Any]) -> str:
         total = f"{run['seconds']['total']:.1f}"
         rows.append([str(run["n_steps"]), str(run["samples"]), *per_sample, total, *memory])
     stages = [f"{name.replace('_', ' ')} [us]" for name in names]
-    memory = ["imports [MB]", "peak [MB]", "file [MB]"]
-    header = [f"steps of {figures['long_walk']}", "samples", *stages, "total [s]", *memory]
+    memory = ["memory after imports [MB]", "peak memory [MB]", "file size [MB]"]
+    first = f"number of steps, {figures['long_walk']}"
+    header = [first, "samples", *stages, "total [s]", *memory]
     peak = max(run["bytes_peak"] for run in runs) / 1e6
     verdict = "below" if peak < MEMORY_BOUND else "ABOVE"
     return (
-        f"{table(header, rows)}\n\nStage times are per sample, of one run each. Most memory: "
-        f"{peak:.0f} MB, {verdict} the bound of {MEMORY_BOUND} MB."
+        f"{table(header, rows)}\n\nTimes of the stages are per sample, from one run each. The "
+        "largest "
+        f"peak memory is {peak:.0f} MB, {verdict} the bound of {MEMORY_BOUND} MB."
     )
 
 
 def _placo(found: dict[str, Any] | None) -> str:
     if found is None:
-        return "placo: not measured; give --placo-python an interpreter that has it."
-    times, ratios = {"mgs, without the gravity task": found["mgs"]}, [1.0]
+        return "placo was not measured; use --placo-python with an interpreter that has it."
+    times, ratios = {"mgs, without gravity task": found["mgs"]}, [1.0]
     for name, placo in found["placo"].items():
         times[f"placo {found['version']}, {name}"] = placo
         ratios.append(found["ratio"][name])
@@ -130,8 +138,9 @@ def _placo(found: dict[str, Any] | None) -> str:
         [name, _us(t["least"]), _us(t["median"]), f"{ratio:.2f}"]
         for (name, t), ratio in zip(times.items(), ratios, strict=True)
     ]
-    header = ["mean IK step of a run [us]", "least", "median", "mgs / this"]
+    ratio_column = "time of mgs / time in this row"
+    header = ["mean IK step of a run [us]", "minimum", "median", ratio_column]
     return (
-        f"{table(header, rows)}\n\nplaco's error after its step: CoM "
+        f"{table(header, rows)}\n\nLargest errors of placo after a step: CoM "
         f"{1e6 * found['com_error']:.1f} um, feet {1e6 * found['foot_error']:.1f} um."
     )

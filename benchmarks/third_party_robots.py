@@ -1,9 +1,9 @@
-"""Humanoids that nobody drew for mgs: init, check, generate, validate, and what fails why.
+"""Third-party humanoids: init, check, generate, validate, and the reasons of failures.
 
-pip install "mgs[robots]"   brings the first two packages; the others are looked for as well
+pip install "mgs[robots]"   installs the first two packages; the others are used if installed
 python benchmarks/third_party_robots.py [-o DIR] [--path SITE_PACKAGES] [NAME ...]
 
-Every step is the command as a user types it, nothing is edited in between. Prints the Markdown
+Every step is a command of mgs; no file is edited between the commands. Prints the Markdown
 table of docs/robots.md.
 """
 
@@ -18,7 +18,7 @@ from pathlib import Path
 
 DATA = "cmeel.prefix/share/example-robot-data/robots"
 FOURIER = "fourier_robot_descriptions/assets/urdf"
-ROBOTS = {  # by package: example-robot-data, icub-models, fourier-robot-descriptions, others
+ROBOTS = {  # in the order of packages: example-robot-data, icub-models, fourier, others
     "TALOS": f"{DATA}/talos_data/robots/talos_reduced.urdf",
     "TALOS, fingers": f"{DATA}/talos_data/robots/talos_full_v2.urdf",
     "Romeo": f"{DATA}/romeo_description/urdf/romeo_small.urdf",
@@ -50,11 +50,16 @@ COMMAND = [sys.executable, "-c", "from mgs.cli import main; main()"]
 
 
 def main() -> None:
-    """Print the table."""
+    """Run all robots and print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("names", nargs="*", help="robots; default: all")
-    parser.add_argument("-o", "--output", type=Path, help="keep the robot folders and motions here")
-    parser.add_argument("--path", type=Path, action="append", default=[], help="of packages")
+    parser.add_argument("names", nargs="*", help="names of robots; default: all")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        help="folder for robot folders and motions; default: a temporary one",
+    )
+    parser.add_argument("--path", type=Path, action="append", default=[], help="folder of packages")
     arguments = parser.parse_args()
     folders = [*arguments.path, *(Path(entry) for entry in sys.path if entry)]
     print("| robot | joints | mass | sole | walk | PyBullet | MuJoCo | verdict |")
@@ -70,7 +75,7 @@ def main() -> None:
 
 
 def find(path: str, folders: list[Path]) -> Path | None:
-    """The first of the folders that has the file; prefixes of sys.path as well."""
+    """Path of a file in the first folder that contains it, or in one of their parent folders."""
     for folder in folders:
         for root in (folder, *list(folder.parents)[:3]):
             if (root / path).is_file():
@@ -79,7 +84,7 @@ def find(path: str, folders: list[Path]) -> Path | None:
 
 
 def walked(urdf: Path, folder: Path) -> list[str]:
-    """Cells of one robot, from its joints to the verdict."""
+    """Table cells of one robot: joints, mass, sole, walk, engines, verdict."""
     code, text = run("robot", "init", str(urdf), "-o", str(folder), "--force", "--json")
     if code:
         return ["", "", "", "", "", "", f"refused: {reason(text, urdf)}"]
@@ -98,7 +103,7 @@ def walked(urdf: Path, folder: Path) -> list[str]:
 
 
 def validated(motion: Path, told: str) -> list[str]:
-    """Walk, both engines, verdict."""
+    """Table cells of a motion: walk, engines, verdict."""
     _, text = run("validate", str(motion), "--json")
     if not text.startswith("{"):
         return ["", "", "", f"{told}not simulated: {reason(text, motion)}"]
@@ -116,18 +121,18 @@ def validated(motion: Path, told: str) -> list[str]:
 
 
 def fate(replay: dict[str, float]) -> str:
-    """Stays up, or when it fell."""
+    """Result of a replay: stays up, or the time of the fall."""
     return f"fell at {replay['fall_time']:.1f} s" if replay["fell"] else "stays up"
 
 
 def run(*arguments: str) -> tuple[int, str]:
-    """Exit code and output of an mgs command; its errors where it failed."""
+    """Exit code and output of an mgs command; its error messages if it failed."""
     done = subprocess.run([*COMMAND, *arguments], capture_output=True, text=True, check=False)
     return done.returncode, done.stdout or done.stderr
 
 
 def reason(text: str, file: Path) -> str:
-    """The message of a command that failed, without file names."""
+    """Message of a failed command, without file names."""
     lines = [line for line in text.splitlines() if line.startswith("Error:")]
     message = (lines or text.splitlines() or ["no message"])[-1].removeprefix("Error:").strip()
     return message.replace(f"{file}: ", "").replace("|", "/")

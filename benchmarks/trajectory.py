@@ -1,16 +1,16 @@
-"""The whole-trajectory IK against the closed-loop IK on three motions.
+"""Comparison of the solver `trajectory` with closed-loop inverse kinematics on three motions.
 
-    S3              melson/walk_5cm, the walk of the paper
+    S3              melson/walk_5cm, which has the gains of scenario S3 of the article on Melson
     30 steps        melson/walk_30_steps
-    squat           the squat of task B of Faraji and Ijspeert, where its knees cannot stretch: all
-                    29 joints of COMAN (its legs alone leave no null space), 0.51 m +- 30 mm at 1 Hz
+    squat           squat after task B of Faraji and Ijspeert, at a height without stretched knees;
+                    29 joints of COMAN (its legs alone have no null space), 0.51 m +- 30 mm at 1 Hz
 
-H is the integral of 0.35 H_joint + 1.6 H_grav [s] over the whole motion, two soles sharing the
-weight as it is planned, whichever way a solver counts. The closed-loop IK descends the same two
-with the gains of the paper and with multiples of them; a multiple that leaves the joint limits is
-left out. `trajectory` may begin in another posture than the closed-loop IK, or has to in the same.
-Torques are those of inverse dynamics. The time is that of the processor in stage 4, the
-best of some runs.
+H is the integral of 0.35 H_joint + 1.6 H_grav [s] over the whole motion, with the weight shared
+between the soles as planned, for every solver. The closed-loop solver descends the same two costs
+with the gains of the article and with multiples of them; multiples that violate joint limits are
+left out. `trajectory` starts in a free posture, or in the posture of the closed-loop solver.
+Torques are computed by inverse dynamics. The time is the processor time of stage 4, the minimum of
+several runs.
 
     python benchmarks/trajectory.py [squat]
 """
@@ -48,13 +48,13 @@ RUNS = 3
 
 @dataclass(frozen=True)
 class Row:
-    """Figures of one solver on one motion."""
+    """Results of one solver on one motion."""
 
     name: str
     cost: float  # integral of H [s]
-    peak: float  # [N m]
-    rms: float  # [N m]
-    jerk: float  # RMS [rad/s^3]
+    peak: float  # largest joint torque [N m]
+    rms: float  # root mean square of the joint torques [N m]
+    jerk: float  # root mean square of the joint jerks [rad/s^3]
     margin: float  # least distance of a joint from its limits [deg]
     miss: float  # largest distance of soles, hands and CoM from their references [m]
     time: float  # per sample [s]
@@ -74,7 +74,7 @@ limit margin [deg] | task error [mm] | time [ms/sample] |
 
 
 def motions() -> dict[str, tuple[str, str]]:
-    """Robot and gait by name of the motion; the squat's gait is its text."""
+    """Robot and gait of each motion; the gait of the squat is given as text."""
     return {
         "S3": ("melson", "melson/walk_5cm"),
         "30 steps": ("melson", "melson/walk_30_steps"),
@@ -83,14 +83,14 @@ def motions() -> dict[str, tuple[str, str]]:
 
 
 def gait_with(gait: str, *settings: str) -> Gait:
-    """A shipped gait, or one given as text."""
+    """Load a shipped gait, or parse a gait that is given as text."""
     if "\n" in gait:
         return parse_gait(gait, "squat", settings)
     return load_gait(gait, settings)
 
 
 def solvers() -> dict[str, tuple[str, ...]]:
-    """Settings by name."""
+    """Settings of each solver variant by name."""
     names: dict[str, tuple[str, ...]] = {}
     for scheme, text in (("off", "gravity off in double support"), ("shared", "shared")):
         for multiple in MULTIPLES:
@@ -110,7 +110,7 @@ def solvers() -> dict[str, tuple[str, ...]]:
 
 
 def measure(robot: Robot, stages: Stages, name: str) -> Row:
-    """Figures of one run, its time the best of several."""
+    """Results of one run; the time is the minimum of several runs."""
     motion, q = stages.motion, stages.joints.angles
     room = np.minimum(q - robot.lower, robot.upper - q)
     misses = (
@@ -138,13 +138,13 @@ def _solve_time(robot: Robot, stages: Stages) -> float:
 
 
 def cost_of(robot: Robot, stages: Stages) -> float:
-    """Integral of 0.35 H_joint + 1.6 H_grav [s], which the defaults of `trajectory` weigh alike."""
+    """Integral of 0.35 H_joint + 1.6 H_grav [s]; `trajectory` uses the same weights by default."""
     problem = Problem(TrajectoryIk(), robot, stages.tasks, stages.com)
     return problem.cost(stages.joints.angles)
 
 
 def table(robot: Robot, gait: str) -> list[Row]:
-    """Rows of one motion: the paper's scheme, the best multiples of either, and `trajectory`."""
+    """Rows of one motion: gains of the article, best multiples of both schemes, `trajectory`."""
     runs: dict[str, Stages] = {}
     for name, settings in solvers().items():
         try:
@@ -163,7 +163,7 @@ def table(robot: Robot, gait: str) -> list[Row]:
 
 
 def main() -> None:
-    """Print one table a motion, or those of the motions named."""
+    """Print one table per motion; the arguments select motions."""
     for name, (robot, gait) in motions().items():
         if sys.argv[1:] and name not in sys.argv[1:]:
             continue
