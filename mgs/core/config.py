@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import difflib
 import re
-import types
-import typing
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable
 from pathlib import Path
 from typing import Annotated, Any, Literal, NoReturn, TypeVar
 
@@ -14,6 +11,8 @@ import pydantic
 import yaml
 
 from mgs.core.errors import ConfigError
+from mgs.core.explain import explain
+from mgs.core.short_text import clipped, shown
 
 MAX_BYTES = 1_000_000  # no gait or robot file comes near it; keeps a wrong file from filling memory
 MAX_DEPTH = 30  # nesting of any file that we read is below 6
@@ -42,7 +41,7 @@ M = TypeVar("M", bound=Model)
 def _refuse_true(value: object) -> object:
     """To Python True and 1.0 equal 1, so that a Literal[1] takes them."""
     if type(value) is not int:
-        raise ValueError(f"input should be 1, found {_short(value)}")
+        raise ValueError(f"input should be 1, found {shown(value)}")
     return value
 
 
@@ -79,7 +78,7 @@ class _Loader(yaml.SafeLoader):
                     raise yaml.constructor.ConstructorError(
                         None,
                         None,
-                        f"key {_short(key_node.value)} appears twice",
+                        f"key {shown(key_node.value)} appears twice",
                         key_node.start_mark,
                     )
                 seen.add(key)
@@ -103,7 +102,7 @@ def parse_yaml(text: str, source: str | Path) -> Any:
         place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
         raise ConfigError(source, f"{place}{error.problem or error.context}") from error
     except (yaml.YAMLError, ValueError, OverflowError) as error:
-        raise ConfigError(source, f"not valid YAML: {_short(error)}") from error
+        raise ConfigError(source, f"not valid YAML: {shown(error)}") from error
 
 
 def read_text(path: Path) -> str:
@@ -140,7 +139,7 @@ def read_assignment(text: str, source: str = "--set") -> tuple[str, Any]:
     """
     key, equals, value = text.partition("=")
     if not equals or not all(key.strip().split(".")):
-        raise ConfigError(source, f"{_short(text)} is not of the form key.sub=value")
+        raise ConfigError(source, f"{shown(text)} is not of the form key.sub=value")
     return key.strip(), parse_yaml(value, f"{source} {key.strip()}")
 
 
@@ -148,12 +147,12 @@ def set_value(tree: Any, key: str, value: object, source: str) -> None:
     """Put a value at a dotted key of nested dictionaries in place; groups are made as needed."""
     path = key.split(".")
     if not all(path) or len(path) > MAX_DEPTH:
-        raise ConfigError(source, f"{_short(key)} is not of the form key.sub")
+        raise ConfigError(source, f"{shown(key)} is not of the form key.sub")
     node = tree
     for part in path[:-1]:
         node = node.setdefault(part, {}) if isinstance(node, dict) else None
     if not isinstance(node, dict):
-        raise ConfigError(source, f"{_clip(key, 100)!r}: there is no such group in the file")
+        raise ConfigError(source, f"{clipped(key, 100)!r}: there is no such group in the file")
     node[path[-1]] = value
 
 
@@ -171,90 +170,7 @@ def build(
         return model.model_validate(tree, context=context)
     except pydantic.ValidationError as error:
         items = error.errors(include_url=False)
-        problems = [_explain(model, item) for item in items[: ConfigError.MOST_TOLD]]
+        problems = [explain(model, item) for item in items[: ConfigError.MOST_TOLD]]
         raise ConfigError(source, problems, len(items)) from error
     except RecursionError as error:
         raise ConfigError(source, "nested too deeply") from error
-
-
-def _explain(model: type[Model], item: Any) -> str:
-    keys, options = _locate(model, item["loc"])
-    if keys[1:] and keys[-1] == "[key]" and item["input"] == keys[-2]:  # the key itself is wrong
-        keys.pop()
-    location = _clip(".".join(str(key) for key in keys) or "file", 100)
-    kind, message, found = item["type"], item["msg"], item["input"]
-    if kind == "extra_forbidden":
-        known = list(options[0].model_fields) if len(options) == 1 else []
-        close = difflib.get_close_matches(str(keys[-1])[:40], known, n=1)
-        hint = f"did you mean {close[0]!r}?" if close else f"known here: {', '.join(sorted(known))}"
-        return f"{location}: unknown key; {hint}"
-    if kind == "missing":
-        return f"{location}: missing, it has no default"
-    if kind == "value_error":  # our own validators, which name keys and values themselves
-        message = message.removeprefix("Value error, ")
-        return message if location == "file" else f"{location}: {message}"
-    if kind.startswith("union_tag"):  # an unknown or missing value of the key that names the kind
-        tag = item["ctx"]["discriminator"].strip("'")
-        allowed = ", ".join(repr(value) for option in options for value in _literals(option, tag))
-        if tag not in found:
-            return f"{location}.{tag}: missing, should be one of {allowed}"
-        return f"{location}.{tag}: input should be one of {allowed}, found {_short(found[tag])}"
-    if kind == "model_attributes_type":
-        message = "input should be a valid dictionary"
-    return f"{location}: {message[0].lower()}{message[1:]}, found {_short(found)}"
-
-
-def _locate(model: type[Model], loc: Iterable[Any]) -> tuple[list[Any], list[Any]]:
-    """The keys in the file that a location means, and the models that may stand there.
-
-    For an unknown key these are the models that may hold it. A tagged union puts its tag into the
-    location, where the file has no key of that name.
-    """
-    keys: list[Any] = []
-    annotation: Any = model
-    for part in loc:
-        if typing.get_origin(annotation) is Annotated:
-            annotation = typing.get_args(annotation)[0]
-        options = _options(annotation)
-        if len(options) > 1:
-            annotation = next(
-                o for o in options if any(part in _literals(o, k) for k in o.model_fields)
-            )
-            continue
-        keys.append(part)
-        field = options[0].model_fields.get(part) if options else None
-        if field is not None:
-            annotation = field.annotation
-        elif not options:  # an item of a list, or a key that people choose: the name of a servo
-            annotation = next(iter(reversed(typing.get_args(annotation))), None)
-    return keys, _options(annotation)
-
-
-def _options(annotation: Any) -> list[Any]:
-    """Models that a value of this type may be; none for numbers, lists and so on."""
-    if isinstance(annotation, type) and issubclass(annotation, Model):
-        return [annotation]
-    if typing.get_origin(annotation) in (Annotated, typing.Union, types.UnionType):
-        return [option for part in typing.get_args(annotation) for option in _options(part)]
-    return []
-
-
-def _literals(model: type[Model], key: str) -> tuple[Any, ...]:
-    """Values that a key may have, where they are listed."""
-    annotation = model.model_fields[key].annotation
-    return typing.get_args(annotation) if typing.get_origin(annotation) is Literal else ()
-
-
-def _short(value: object, limit: int = 60) -> str:
-    try:
-        text = str(value) if isinstance(value, Exception) else repr(value)
-    except ValueError:  # Python writes no integer of more than 4300 digits
-        text = "a number of thousands of digits"
-    return _clip(text, limit)
-
-
-def _clip(text: str, limit: int) -> str:
-    """Text on one line, cut where it is too long, without what a terminal would obey."""
-    text = " ".join(text.split())[: limit + 1]
-    text = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
-    return text if len(text) <= limit else text[: limit - 3] + "..."

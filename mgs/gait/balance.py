@@ -22,21 +22,21 @@ ChannelName = Literal[
 class Channel(Model):
     """One component of the body's motion, as a displacement from where it stands at rest."""
 
-    task: ChannelName = Field(description="What moves [m] or [rad].")
+    task: ChannelName = Field(description="What moves [m or rad].")
 
 
 class ConstantChannel(Channel):
     """A constant displacement."""
 
     wave: Literal["constant"] = Field(description="Kind of channel.")
-    value: Displacement = Field(description="[m] or [rad]")
+    value: Displacement = Field(description="[m or rad]")
 
 
 class SineChannel(Channel):
     """amplitude sin(2 pi frequency t + phase), t from the start of the motion."""
 
     wave: Literal["sine"] = Field(description="Kind of channel.")
-    amplitude: Displacement = Field(description="[m] or [rad]")
+    amplitude: Displacement = Field(description="[m or rad]")
     frequency: Frequency = Field(description="[Hz]")
     phase: float = Field(0.0, ge=-10.0, le=10.0, description="[rad]")
 
@@ -45,7 +45,7 @@ class RampChannel(Channel):
     """From 0 to `value` between two times, minimum jerk; stays there."""
 
     wave: Literal["ramp"] = Field(description="Kind of channel.")
-    value: Displacement = Field(description="[m] or [rad]")
+    value: Displacement = Field(description="[m or rad]")
     start: float = Field(ge=0.0, le=MAX_SECONDS, description="[s]")
     end: float = Field(ge=0.0, le=MAX_SECONDS, description="[s]")
 

@@ -29,7 +29,7 @@ def test_a_plan_shows_invalid_gaits(tmp_path: Path):
     path = write_sweep(tmp_path, axes={"walk.step_length": [7]}, filters=["walk.step_length > 0"])
     found = json.loads(run("batch", "plan", path, "--json").stdout)
     assert (found["gaits"], found["filtered"], found["keys"]) == (1, 0, ["walk.step_length"])
-    assert "less than or equal to 1, found 7" in found["first"][0]["problem"]
+    assert "less than or equal to 1 [m], found 7" in found["first"][0]["problem"]
 
 
 def test_a_run_prints_a_table_by_reason_or_one_json_object(

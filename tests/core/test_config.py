@@ -43,10 +43,11 @@ def refusal(text: str, *assignments: str) -> str:
         ("step_length: [0.05]", "found [0.05]"),
         ("step_length: 2020-01-01", "found datetime"),
         ("step_length: null", "found None"),
-        ("step_length: 1.01", "less than or equal to 1, found 1.01"),
-        ("step_height: 0", "greater than 0, found 0"),
+        ("step_length: 1.01", "less than or equal to 1 [m], found 1.01"),
+        ("step_height: 0", "greater than 0 [m], found 0"),
         ("first_support: Left", "'left' or 'right', found 'Left'"),
         ("zmp_offset: [0.0]", "found [0.0]"),
+        ("lead_in: 60.5", "less than or equal to 60 [s], found 60.5"),
         (f"step_length: 0x{'F' * 6000}", "found a number of thousands of digits"),
     ],
 )
@@ -55,6 +56,22 @@ def test_a_value_of_the_wrong_kind_or_size_is_named_with_its_key(line: str, foun
         gait_with(line)
     assert str(caught.value).startswith(f"a.yaml: walk.{line.partition(':')[0]}: ")
     assert found in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("zmp_offset: [0.0, -1.5]", "zmp_offset.1: {} greater than or equal to -1 [m], found -1.5"),
+        ("goal: {yaw: 4}", "goal.yaw: {} less than or equal to 3.1416 [rad], found 4"),
+        ("boxes: [{x: 0, length: 1, width: 1, height: 2}]", "boxes.0.height: {} less than or equal "
+         "to 1 [m], found 2"),
+        ("arm_swing: -1.0", "arm_swing: {} greater than or equal to 0, found -1.0"),
+    ],
+)  # fmt: skip
+def test_a_range_is_told_with_the_unit_of_the_key(line: str, message: str):
+    """Inside lists and blocks too; a number without a unit has none in the message."""
+    told = refusal(f"mgs: 1\nmotion: walk\nwalk: {{{line}}}").splitlines()
+    assert "a.yaml: walk." + message.format("input should be") in told
 
 
 def test_a_decimal_comma_is_refused():

@@ -239,7 +239,7 @@ def test_a_mistake_of_ours_is_told_of_its_gait_alone(plan: Plan, monkeypatch: py
 def test_a_value_that_no_gait_may_have_is_infeasible(plan: Plan):
     outcome = make_gait(recipe_of(plan), ("walk.step_length=7",))
     assert outcome.row["verdict"] == "infeasible"
-    assert "less than or equal to 1, found 7" in str(outcome.row["message"])
+    assert "less than or equal to 1 [m], found 7" in str(outcome.row["message"])
 
 
 def test_physics_is_part_of_the_verdict(plan: Plan):

@@ -302,7 +302,7 @@ def changed(old: str, new: str, text: str = YAML) -> str:
         (
             "length: 0.106",
             "length: 0.0",
-            "soles.left.length: input should be greater than or equal to 0.001",
+            "soles.left.length: input should be greater than or equal to 0.001 [m]",
         ),
         ("width: 0.06", "width: .nan", "soles.left.width: input should be a finite number"),
         ("position: [0.002, 0.0, -0.036]", "position: [0.002, 0.0]", "soles.left.position: "),
@@ -484,7 +484,7 @@ def test_without_locked_joints_the_urdf_stays_as_it_was(melson: Robot):
             "locked.waist_yaw: 1.0500 rad is outside its range [-1.0472, 1.0472]",
         ),
         ("", "waist_yaw: .nan", "locked.waist_yaw: input should be a finite number"),
-        ("", "waist_yaw: 101", "locked.waist_yaw: input should be less than or equal to 100"),
+        ("", "waist_yaw: 101", "locked.waist_yaw: input should be less than or equal to 100 [rad]"),
         ("", "waist_yaw: far", "locked.waist_yaw: "),
         (WAIST, WAIST.replace("revolute", "prismatic"), "locked.waist_yaw: a prismatic joint in"),
         (
@@ -573,7 +573,11 @@ def test_the_ranges_of_the_urdf_themselves_and_one_of_their_ends_are_allowed(mel
         ("left_knee_pitch", [1.0, 2.0], "posture.left_knee_pitch: 0.8700 rad is outside the joint"),
         ("left_knee_pitch", [0.5], "limits.left_knee_pitch: list should have at least 2 items"),
         ("left_knee_pitch", [0.5, math.nan], "limits.left_knee_pitch.1: input should be a finite"),
-        ("left_knee_pitch", [0.5, 101.0], "limits.left_knee_pitch.1: input should be less than or"),
+        (
+            "left_knee_pitch",
+            [0.5, 101.0],
+            "limits.left_knee_pitch.1: input should be less than or equal to 100 [rad]",
+        ),
         ("left_knee_pitch", 0.5, "limits.left_knee_pitch: input should be a valid list"),
         ("left_knee", [0.5, 1.0], "limits: robot.urdf has no joint 'left_knee'"),
     ],
