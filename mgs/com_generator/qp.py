@@ -19,7 +19,6 @@ measurement on these problems (docs/benchmarks.md).
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +31,7 @@ from mgs.core.constants import GRAVITY
 from mgs.core.contact import Support
 from mgs.core.errors import ConfigError, ZmpMarginError
 from mgs.core.geometry import convex_hull, sole_corners, yaw_from_quat_xyzw
+from mgs.core.spans import spans
 from mgs.gait import ComParameters
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
@@ -96,9 +96,8 @@ def bound_zmp(robot: Robot, tasks: TaskTrajectory, parameters: ComParameters) ->
 
 def support_half_planes(robot: Robot, tasks: TaskTrajectory) -> list[tuple[slice, Array, Array]]:
     """Samples, outward normals (m, 2) and offsets (m,): inside is normals @ zmp <= offsets."""
-    edges = [0, *(np.flatnonzero(np.diff(tasks.support)) + 1).tolist(), tasks.n_samples]
-    spans = []
-    for start, end in itertools.pairwise(edges):
+    half_planes = []
+    for start, end in spans(tasks.support):
         corners = []
         for side in Support(tasks.support[start]).sides:
             pose, sole = tasks.soles[start, side], robot.sole_spec(side)
@@ -108,8 +107,8 @@ def support_half_planes(robot: Robot, tasks: TaskTrajectory) -> list[tuple[slice
         along = np.roll(polygon, -1, axis=0) - polygon
         normals = np.column_stack([along[:, 1], -along[:, 0]])
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        spans.append((slice(start, end), normals, np.sum(normals * polygon, axis=1)))
-    return spans
+        half_planes.append((slice(start, end), normals, np.sum(normals * polygon, axis=1)))
+    return half_planes
 
 
 def _problem(robot: Robot, tasks: TaskTrajectory, omega: float, ratio: float, margin: float) -> Qp:
@@ -132,13 +131,13 @@ def _problem(robot: Robot, tasks: TaskTrajectory, omega: float, ratio: float, ma
     )
     rest = np.concatenate([zmp_ref[[0, -1]].ravel(), np.zeros(8)])
     zmp = _rows(sp.eye(n), c) - _rows(sp.eye(n), a)
-    spans = support_half_planes(robot, tasks)
+    half_planes = support_half_planes(robot, tasks)
     normals = sp.block_diag(
-        [sp.kron(sp.eye(span.stop - span.start), edges) for span, edges, _ in spans]
+        [sp.kron(sp.eye(span.stop - span.start), edges) for span, edges, _ in half_planes]
     )
     inside = [
         np.tile(offsets - edges @ tasks.zmp_ref[0] - margin, span.stop - span.start)
-        for span, edges, offsets in spans
+        for span, edges, offsets in half_planes
     ]
     return Qp(
         P=sp.csc_matrix(zmp.T @ zmp + ratio * (omega**3 / theta) ** 2 * (change.T @ change)),

@@ -3,6 +3,7 @@
 One module for each block of a file. SI units; x forward, y left, z up; angles in rad.
 """
 
+from mgs.core.constants import COM_TOLERANCE
 from mgs.gait.balance import (
     AnyChannel,
     BalanceParameters,
@@ -34,7 +35,6 @@ from mgs.gait.kinds import (
 from mgs.gait.load import load_gait, parse_gait
 from mgs.gait.pick_up import PickUpParameters
 from mgs.gait.walk import (
-    COM_TOLERANCE,
     BoxParameters,
     ComParameters,
     FootstepParameters,

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from mgs.core.config import Model
-from mgs.gait.walk import COM_TOLERANCE
+from mgs.core.constants import COM_TOLERANCE
 
 MAX_SECONDS = 36_000.0
 

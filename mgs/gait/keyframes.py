@@ -8,8 +8,8 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from mgs.core.config import Model
+from mgs.core.constants import COM_TOLERANCE
 from mgs.gait.balance import MAX_SECONDS, Displacement
-from mgs.gait.walk import COM_TOLERANCE
 
 Vector = Annotated[list[Displacement], Field(min_length=3, max_length=3)]
 Turn = Annotated[float, Field(ge=-1.6, le=1.6)]

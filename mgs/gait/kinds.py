@@ -12,13 +12,14 @@ from pydantic import ConfigDict, Field, TypeAdapter, model_validator
 
 from mgs.core.arrays import Array
 from mgs.core.config import FormatVersion, Model
+from mgs.core.constants import COM_TOLERANCE
 from mgs.core.geometry import quintic
 from mgs.gait.balance import BalanceParameters
 from mgs.gait.ik import IkParameters, WholeBodyIkParameters
 from mgs.gait.keyframes import KeyframesParameters
 from mgs.gait.kick import KickParameters
 from mgs.gait.pick_up import PickUpParameters
-from mgs.gait.walk import COM_TOLERANCE, ComParameters, WalkParameters
+from mgs.gait.walk import ComParameters, WalkParameters
 
 MAX_SAMPLES = 2_000_000  # about 5 GB of arrays
 MAX_PARTS = 1000  # of a sequence

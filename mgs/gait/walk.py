@@ -7,11 +7,11 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from mgs.core.config import Model
+from mgs.core.constants import COM_TOLERANCE
 from mgs.core.plugins import COM_GENERATORS
 from mgs.gait.names import GeneratorName, own_parameters
 
 MAX_STEPS = 20_000
-COM_TOLERANCE = 2e-4  # [m]
 Duration = Annotated[float, Field(gt=0.0, le=60.0)]
 Length = Annotated[float, Field(ge=-1.0, le=1.0)]
 Turn = Annotated[float, Field(ge=-1.0, le=1.0)]

@@ -8,7 +8,6 @@ check reports its worst value, when and where.
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -16,7 +15,13 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from mgs.core.arrays import Array
-from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV, GRAVITY
+from mgs.core.constants import (
+    FLOATING_BASE_NQ,
+    FLOATING_BASE_NV,
+    GRAVITY,
+    POSITION_TOLERANCE,
+    ROTATION_TOLERANCE,
+)
 from mgs.core.contact import Side, Support
 from mgs.core.geometry import (
     convex_hull,
@@ -28,12 +33,11 @@ from mgs.core.geometry import (
 )
 from mgs.core.progress import Progress
 from mgs.core.scene import ground_below
+from mgs.core.spans import spans
 from mgs.judge.wrench_feasibility import missing_wrenches
 from mgs.motion import Motion
 from mgs.motion.dynamics import WholeBodyMotion, analyse, contact_wrenches
 
-POSITION_TOLERANCE = {"sole": 1e-4, "hand": 1e-4}  # [m]; the CoM's is the gait's
-ROTATION_TOLERANCE = np.deg2rad(0.01)  # [rad]
 CONTACT_TOLERANCE = 5e-4  # [m] a sole in support may move, sink or float
 RMS_TORQUE_RATIO = 0.3  # of stall torque; stall is no continuous rating
 REST_SPEED = 0.05  # [rad/s] of a joint at the first and last sample
@@ -115,7 +119,7 @@ def zmp_margins(motion: Motion, zmp: Array, soles: Array | None = None) -> Array
     """
     soles = motion.soles if soles is None else soles
     margins = np.full(motion.n_samples, np.inf)
-    for start, end in _support_spans(motion.support):
+    for start, end in spans(motion.support):
         if motion.support[start] == Support.DOUBLE and is_uneven(motion.soles_ref[start]):
             continue
         polygon = support_polygon(motion, soles, start)
@@ -136,11 +140,6 @@ def support_polygon(motion: Motion, soles: Array, sample: int) -> Array:
         planar = [pose[0], pose[1], float(yaw_from_quat_xyzw(pose[3:]))]
         points.append(sole_corners(planar, spec.length, spec.width))
     return convex_hull(np.concatenate(points))
-
-
-def _support_spans(support: NDArray[np.int8]) -> list[tuple[int, int]]:
-    edges = [0, *(np.flatnonzero(np.diff(support)) + 1).tolist(), len(support)]
-    return list(itertools.pairwise(edges))
 
 
 def joint_position(motion: Motion) -> Check:
@@ -273,7 +272,7 @@ def _sole_still(motion: Motion, corners: Array) -> Check:
     in_support = _in_support(motion)
     travel = np.zeros((motion.n_samples, 2))
     for side in Side:
-        for start, end in _support_spans(in_support[:, side].astype(np.int8)):
+        for start, end in spans(in_support[:, side]):
             if in_support[start, side]:
                 moved = corners[start:end, side] - corners[start, side]
                 travel[start:end, side] = np.linalg.norm(moved, axis=-1).max(axis=-1)
@@ -294,22 +293,22 @@ def _sole_contact(motion: Motion, corners: Array) -> Check:
 
 def _sole_position(motion: Motion, body: WholeBodyMotion) -> Check:
     gap = np.linalg.norm(body.soles[..., :3] - motion.soles_ref[..., :3], axis=-1)
-    return _worst_side(motion, "sole_position", gap, POSITION_TOLERANCE["sole"], "m")
+    return _worst_side(motion, "sole_position", gap, POSITION_TOLERANCE, "m")
 
 
 def _sole_rotation(motion: Motion, body: WholeBodyMotion) -> Check:
     angle = rotation_angles(body.soles[..., 3:], motion.soles_ref[..., 3:])
-    return _worst_side(motion, "sole_rotation", angle, float(ROTATION_TOLERANCE), "rad")
+    return _worst_side(motion, "sole_rotation", angle, ROTATION_TOLERANCE, "rad")
 
 
 def _hand_position(motion: Motion, body: WholeBodyMotion) -> Check:
     gap = np.linalg.norm(body.hands[..., :3] - motion.hands_ref, axis=-1)
-    return _worst_side(motion, "hand_position", gap, POSITION_TOLERANCE["hand"], "m")
+    return _worst_side(motion, "hand_position", gap, POSITION_TOLERANCE, "m")
 
 
 def _torso_rotation(motion: Motion, body: WholeBodyMotion) -> Check:
     angle = rotation_angles(body.torso[:, 3:], motion.torso_ref)
-    k, limit = int(np.argmax(angle)), float(ROTATION_TOLERANCE)
+    k, limit = int(np.argmax(angle)), ROTATION_TOLERANCE
     worst = float(angle[k])
     return Check("torso_rotation", worst <= limit, worst, limit, "rad", k * motion.dt, "")
 

@@ -21,6 +21,7 @@ from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.core.contact import Support
 from mgs.core.errors import CycleError
 from mgs.core.geometry import compose_planar, planar_inverse, planar_middle
+from mgs.core.spans import span_starts
 from mgs.gait.remedies import remedies_for
 from mgs.motion.motion import Motion
 
@@ -86,7 +87,7 @@ def find_cycle(motion: Motion) -> Cycle:
 def _windows(motion: Motion) -> list[tuple[int, int, int]]:
     """First sample, end and period of where a cycle may begin: steps between equal strides."""
     support = motion.support
-    lifts = np.flatnonzero(np.diff(support)) + 1
+    lifts = np.array(span_starts(support)[1:], dtype=np.intp)
     lifts = lifts[support[lifts] != Support.DOUBLE]
     strides, sides = lifts[2:] - lifts[:-2], support[lifts]
     return [

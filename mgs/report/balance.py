@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 from matplotlib.figure import Figure
 
 from mgs.core.arrays import Array
+from mgs.core.spans import spans
 from mgs.judge.motion_checks import support_polygon
 from mgs.motion import Motion
 from mgs.report.canvas import BLACK, GREEN, PURPLE
@@ -44,18 +43,12 @@ def support_bounds(motion: Motion) -> Array:
     either axis, which the polygon's overall extent would not tell.
     """
     bounds = np.empty((motion.n_samples, 2, 2))
-    for start, end in support_spans(motion):
+    for start, end in spans(motion.support):
         polygon = support_polygon(motion, motion.soles, start)
         for axis in (0, 1):
             level = motion.zmp[start:end, 1 - axis]
             bounds[start:end, axis] = section(polygon, level, axis)
     return bounds
-
-
-def support_spans(motion: Motion) -> list[tuple[int, int]]:
-    """Samples start <= k < end of each stretch with the same soles in contact."""
-    edges = [0, *(np.flatnonzero(np.diff(motion.support)) + 1).tolist(), motion.n_samples]
-    return list(itertools.pairwise(edges))
 
 
 def section(polygon: Array, level: Array, axis: int) -> Array:

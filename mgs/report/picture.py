@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from mgs.core.arrays import Array
 from mgs.core.contact import Support
+from mgs.core.spans import spans
 from mgs.motion import Motion
-from mgs.report.balance import support_spans
 from mgs.report.canvas import (
     FAINT,
     GREEN,
@@ -89,7 +89,7 @@ def pose_samples(motion: Motion, n_poses: int) -> list[int]:
     n_between = max(n_poses - 2, 0)
     middles = [
         (start + end) // 2
-        for start, end in support_spans(motion)
+        for start, end in spans(motion.support)
         if motion.support[start] != Support.DOUBLE
     ]
     if motion.gait.motion == "sequence" and len(middles) > n_between:

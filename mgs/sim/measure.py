@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mgs.core.arrays import Array
 from mgs.core.contact import Side, Support
 from mgs.core.geometry import wrap_angle, yaw_from_quat_xyzw
+from mgs.core.spans import spans
 
 LANDED = 0.05  # of the weight that a sole bears when it has landed
 TOUCHDOWN = 0.02  # [s] at both ends of a support phase that are left out of its slip
@@ -77,8 +78,7 @@ def touchdowns(contacts: Array, support: NDArray[np.int8], dt: float) -> Touchdo
 
 def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """First and past-the-last index of every stretch of True in mask (M,)."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
-    return [(int(start), int(end)) for start, end in edges.reshape(-1, 2)]
+    return [(start, end) for start, end in spans(mask) if mask[start]]
 
 
 def travel(soles: Array) -> Array:

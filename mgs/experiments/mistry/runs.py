@@ -12,6 +12,7 @@ from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.core.contact import Side, Support
 from mgs.core.geometry import rotation_angles
 from mgs.core.progress import Progress
+from mgs.core.spans import span_starts
 from mgs.gait import load_gait
 from mgs.ik_solver.floating.constraints import base_velocity
 from mgs.ik_solver.floating.tasks import BodyTasks
@@ -130,10 +131,9 @@ def switch_accelerations(stages: Stages) -> tuple[float, float]:
     """Largest joint acceleration [rad/s^2] across a support switch, and anywhere else."""
     tasks, dt = stages.tasks, stages.tasks.dt
     acceleration = np.abs(np.diff(stages.joints.angles, 2, axis=0)).max(axis=1) / dt**2
-    switches = np.flatnonzero(np.diff(tasks.support))
     near = np.zeros(len(acceleration), bool)
-    for k in switches:
-        near[k - 1 : k + 2] = True
+    for switch in span_starts(tasks.support)[1:]:
+        near[switch - 2 : switch + 1] = True
     return float(acceleration[near].max()), float(acceleration[~near].max())
 
 
@@ -165,4 +165,4 @@ def phases_of(stages: Stages) -> list[dict[str, object]]:
 
 def swing_switches(stages: Stages) -> int:
     """Number of support switches."""
-    return int(np.count_nonzero(np.diff(stages.tasks.support != Support.DOUBLE)))
+    return len(span_starts(stages.tasks.support != Support.DOUBLE)) - 1
