@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mgs.core.arrays import Array
+from mgs.core.short_repr import short_repr
 
 
 @dataclass(frozen=True, eq=False)
@@ -15,3 +16,5 @@ class ComTrajectory:
     velocity: Array  # (N, 3) [m/s]
     acceleration: Array  # (N, 3) [m/s^2]
     zmp: Array  # (N, 2) of the cart-table model [m]
+
+    __repr__ = short_repr

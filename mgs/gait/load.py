@@ -38,7 +38,7 @@ def load_gait(
         source = f"{gait.motion} gait"
         return parse_gait(gait.to_yaml(), source, assignments, settings=settings)
     if not isinstance(gait, str | Path):
-        raise wrong_type("the gait", "a gait, the name of a shipped gait or a file", gait)
+        raise wrong_type("the gait", "a Gait, the name of a shipped gait or a file", gait)
     path = find_gait(gait)
     return parse_gait(read_text(path), path, assignments, path.parent, settings=settings)
 

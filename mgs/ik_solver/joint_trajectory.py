@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from mgs.core.short_repr import short_repr
+
 
 @dataclass(frozen=True, eq=False)
 class JointTrajectory:
@@ -19,3 +21,5 @@ class JointTrajectory:
     angles: NDArray[np.float64]  # (N, n) [rad]
     velocities: NDArray[np.float64] | None = None  # (N, n) [rad/s]
     report: dict[str, object] = field(default_factory=dict)
+
+    __repr__ = short_repr

@@ -16,6 +16,7 @@ import numpy as np
 
 from mgs.core.errors import DivergenceError
 from mgs.core.progress import Progress
+from mgs.core.short_repr import short_repr
 from mgs.judge.motion_checks import Check
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
@@ -61,6 +62,8 @@ class Robustness:
     ranges: str
     seed: int
     draws: tuple[Draw, ...]
+
+    __repr__ = short_repr
 
     @property
     def n(self) -> int:

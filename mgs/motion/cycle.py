@@ -21,6 +21,7 @@ from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.core.contact import Support
 from mgs.core.errors import CycleError
 from mgs.core.geometry import compose_planar, planar_inverse, planar_middle
+from mgs.core.short_repr import short_repr
 from mgs.core.spans import span_starts
 from mgs.gait.remedies import remedies_for
 from mgs.motion.motion import Motion
@@ -41,6 +42,8 @@ class Cycle:
     displacement: Array  # (3,) of the middle of the soles in its own frame: x, y [m], yaw [rad]
     mismatch: float  # d, largest of a joint [rad]
     joint: str  # that it is of
+
+    __repr__ = short_repr
 
     @property
     def n_samples(self) -> int:

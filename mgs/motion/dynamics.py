@@ -16,6 +16,7 @@ from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV, GRAVITY
 from mgs.core.contact import Side
 from mgs.core.geometry import rotations_from_quat_xyzw
+from mgs.core.short_repr import short_repr
 from mgs.robot import Robot, shape_corners
 
 
@@ -32,6 +33,8 @@ class WholeBodyMotion:
     soles: Array  # (N, 2, 7)
     hands: Array  # (N, 2, 7)
     torso: Array  # (N, 7)
+
+    __repr__ = short_repr
 
 
 def place_on_soles(robot: Robot, joints: Array, root: NDArray[np.int8], soles_ref: Array) -> Array:

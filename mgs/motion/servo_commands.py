@@ -26,6 +26,7 @@ import numpy as np
 
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
+from mgs.core.short_repr import short_repr
 from mgs.motion.motion import Motion
 from mgs.robot.servos import Servos, servos_of
 
@@ -36,6 +37,8 @@ class Commands:
 
     position: Array  # (N, n) [rad]
     clipped: Array  # (n,) by how much a joint limit cuts it at most [rad]; 0: not at all
+
+    __repr__ = short_repr
 
 
 def servo_commands(

@@ -14,6 +14,7 @@ from mgs.core.arrays import Array
 from mgs.core.contact import Footstep, Support
 from mgs.core.curves import Knots
 from mgs.core.scene import EMPTY, Scene
+from mgs.core.short_repr import short_repr
 from mgs.gait import AnyChannel
 
 
@@ -23,6 +24,8 @@ class SwingPath:
 
     planar: Knots  # x, y [m], yaw [rad]
     height: Knots  # z [m]
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,8 @@ class Phase:
     target: int | None = None  # index of the footstep that the swing foot lands on
     path: SwingPath | None = None  # None: the usual step
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True, eq=False)
 class LegReach:
@@ -44,6 +49,8 @@ class LegReach:
     hips: Array  # (2, 3) from the CoM, robot facing along x [m]
     ankles: Array  # (2, 3) from the sole, in the sole's frame [m]
     length: float  # largest distance of an ankle from its hip [m]
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -54,6 +61,8 @@ class CommonPlan:
     n_samples: int
     footsteps: tuple[Footstep, ...]  # the initial left and right ones first, then one per step
     scene: Scene = EMPTY
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -74,6 +83,8 @@ class WalkPlan(CommonPlan):
     torso: Array  # (4,) orientation at rest, robot facing along x, quaternion xyzw
     reach: LegReach | None = None  # bound of the CoM's height; None: the height is as asked
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BalancePlan(CommonPlan):
@@ -92,6 +103,8 @@ class BalancePlan(CommonPlan):
     hands: Array  # (2, 3) at rest [m]; NaN: free
     torso: Array  # (4,) orientation at rest, quaternion xyzw
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True, eq=False)
 class KeyTimes:
@@ -100,6 +113,8 @@ class KeyTimes:
     arrivals: NDArray[np.intp]  # (K,)
     departures: NDArray[np.intp]  # (K,)
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True, eq=False)
 class Payload:
@@ -107,6 +122,8 @@ class Payload:
 
     masses: Array  # (N, 2) in the left and right hand at every sample [kg]
     robot_mass: float  # [kg]
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -121,6 +138,8 @@ class KeyframePlan(CommonPlan):
     held: NDArray[np.bool_]  # (n,) joints that follow their angles exactly
     payload: Payload | None = None
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PosturePlan(CommonPlan):
@@ -129,6 +148,8 @@ class PosturePlan(CommonPlan):
     times: KeyTimes
     posture: Array  # (K, n) joint angles [rad]
     base: Array  # (2, 4) orientation of the base at the start and at the end, quaternion xyzw
+
+    __repr__ = short_repr
 
 
 MotionPlan = WalkPlan | BalancePlan | KeyframePlan | PosturePlan

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mgs.core.progress import Progress
+from mgs.core.short_repr import short_repr
 from mgs.gait import Gait, SequenceGait
 from mgs.motion import Motion
 from mgs.pipeline.sequence import generate_sequence
@@ -18,6 +19,8 @@ class Generated:
 
     motion: Motion
     seconds: dict[str, float]
+
+    __repr__ = short_repr
 
 
 def generate(

@@ -11,6 +11,7 @@ from mgs.com_generator import ComTrajectory, follow_com
 from mgs.core.arrays import Array
 from mgs.core.contact import Side, Support
 from mgs.core.progress import Progress
+from mgs.core.short_repr import short_repr
 from mgs.gait import Gait, KickGait, SequenceGait, SingleGait, ZmpGait
 from mgs.gait.remedies import remedies_for
 from mgs.ik_solver import JointTrajectory, refuse_speed
@@ -35,6 +36,8 @@ class Stages:
     joints: JointTrajectory
     motion: Motion
     seconds: dict[str, float] = field(default_factory=dict)  # wall time of each stage
+
+    __repr__ = short_repr
 
     @property
     def gait(self) -> SingleGait:

@@ -19,6 +19,7 @@ import numpy as np
 
 from mgs.core.arrays import Array
 from mgs.core.errors import ConfigError
+from mgs.core.short_repr import short_repr
 from mgs.robot.robot import Robot
 
 SLIP_SPEED = 0.1  # [rad/s] speed from which on the full Coulomb friction acts
@@ -38,6 +39,8 @@ class Servos:
     punch: Array  # [N m]
     coulomb_friction: Array  # [N m]
     viscous_friction: Array  # [N m s/rad]
+
+    __repr__ = short_repr
 
     def friction(self, v: Array) -> Array:
         """Friction torque (..., n) [N m] of the gears at joint velocities v (..., n) [rad/s]."""

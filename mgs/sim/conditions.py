@@ -14,6 +14,7 @@ import pinocchio as pin
 
 from mgs.core.arrays import Array
 from mgs.core.scene import Box
+from mgs.core.short_repr import short_repr
 from mgs.motion import Motion
 from mgs.robot import Robot
 from mgs.sim.settings import ServoName
@@ -82,6 +83,8 @@ class Conditions:
     latency: float  # [s]
     bumps: Array  # (k, 3) x, y and height [m]
     sag: float  # factor on the sag of PD servos
+
+    __repr__ = short_repr
 
     def figures(self, servo: ServoName = "ideal") -> dict[str, float]:
         """One number for each parameter that a kind of servo depends on."""

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mgs.core.arrays import Array
+from mgs.core.short_repr import short_repr
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +37,8 @@ class TaskTrajectory:
     start: Array | None = None  # (n,) joint angles at the start [rad]; None: half-sitting
     posture: PreferredPosture | None = None  # None: half-sitting at every sample, no joint held
     payload: Array | None = None  # (N, 2) masses in the hands [kg]; None: no payload
+
+    __repr__ = short_repr
 
     @property
     def n_samples(self) -> int:
