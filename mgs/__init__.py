@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 from mgs.core.former_paths import FormerPaths
 
 if TYPE_CHECKING:
+    from mgs.core.errors import ComOutsideFeetError as ComOutsideFeetError
     from mgs.core.errors import ConfigError as ConfigError
     from mgs.core.errors import CycleError as CycleError
     from mgs.core.errors import DivergenceError as DivergenceError
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from mgs.core.errors import InfeasibleGaitError as InfeasibleGaitError
     from mgs.core.errors import InputError as InputError
     from mgs.core.errors import JointLimitError as JointLimitError
+    from mgs.core.errors import JointSpeedError as JointSpeedError
     from mgs.core.errors import MgsError as MgsError
     from mgs.core.errors import MotionFileError as MotionFileError
     from mgs.core.errors import OutputExistsError as OutputExistsError
@@ -56,6 +58,7 @@ __version__ = "0.1.0"
 
 # Where each name comes from; the imports above tell it to type checkers.
 _HOMES = {
+    "ComOutsideFeetError": "mgs.core.errors.ComOutsideFeetError",
     "ConfigError": "mgs.core.errors.ConfigError",
     "CycleError": "mgs.core.errors.CycleError",
     "DivergenceError": "mgs.core.errors.DivergenceError",
@@ -65,6 +68,7 @@ _HOMES = {
     "InfeasibleGaitError": "mgs.core.errors.InfeasibleGaitError",
     "InputError": "mgs.core.errors.InputError",
     "JointLimitError": "mgs.core.errors.JointLimitError",
+    "JointSpeedError": "mgs.core.errors.JointSpeedError",
     "MgsError": "mgs.core.errors.MgsError",
     "Motion": "mgs.motion.Motion",
     "MotionFileError": "mgs.core.errors.MotionFileError",

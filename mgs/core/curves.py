@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mgs.core.arrays import Array
+from mgs.core.short_repr import short_repr
 
 BINOMIALS = (1.0, 5.0, 10.0, 10.0, 5.0, 1.0)  # of degree 5
 
@@ -29,6 +30,8 @@ class Knots:
     times: Array  # (m,) rising [s]
     points: Array  # (m, d)
     speeds: Array  # (m, d) [1/s]
+
+    __repr__ = short_repr
 
 
 def at_rest(times: ArrayLike, points: ArrayLike) -> Knots:

@@ -18,6 +18,8 @@ class PreferredPosture:
     angles: Array  # (N, n) [rad]
     held: NDArray[np.bool_]  # (n,) joints that follow their angles before any other task
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True, eq=False)
 class TaskTrajectory:
@@ -59,3 +61,5 @@ class PostureTrajectory:
     dt: float  # sampling period [s]
     angles: Array  # (N, n) [rad]
     base: Array  # (N, 4) quaternion xyzw
+
+    __repr__ = short_repr
