@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
@@ -76,19 +77,16 @@ def validate(
     conditions = None if sample is None else draw(motion, RANGES[ranges], seed, sample)
     told = {kind: None if kind == "ideal" else feed_forward for kind in servos}
     replays = []
-    for kind in servos:
+    for kind, name in itertools.product(servos, engines):
         run = partial(replay, servo=kind, feed_forward=told[kind], conditions=conditions)
-        for name in engines:
-            tell = progress_of_step(progress, f"{name}, {kind} servos")
-            replays.append(run(motion, name, settings[name], tell))
-    found = []
-    if monte_carlo is not None:
-        first = servos[0]
-        drawn = partial(replay_draws, n=monte_carlo, seed=seed, ranges=ranges, workers=workers)
-        drawn = partial(drawn, servo=first, feed_forward=told[first])
-        for name in engines:
-            tell = progress_of_step(progress, f"{name}, {monte_carlo} random replays")
-            found.append(drawn(motion, name, settings=settings[name], progress=tell))
+        tell = progress_of_step(progress, f"{name}, {kind} servos")
+        replays.append(run(motion, name, settings[name], tell))
+    found, n_draws = [], monte_carlo or 0
+    for name in engines if n_draws else ():
+        drawn = partial(replay_draws, n=n_draws, seed=seed, ranges=ranges, workers=workers)
+        drawn = partial(drawn, servo=servos[0], feed_forward=told[servos[0]])
+        tell = progress_of_step(progress, f"{name}, {n_draws} random replays")
+        found.append(drawn(motion, name, settings=settings[name], progress=tell))
     checks += [survival_check(result) for result in found]
     return judge(file or motion.gait_name, checks, replays, summary(found))
 

@@ -61,6 +61,10 @@ def without_physics(motion: Motion) -> Verdict:
         (("--physics", "none"), {"physics": "none"}),
         (("--physics", "mujoco"), {"physics": ["mujoco"]}),
         (("--physics", "mujoco", "--servo", "model"), {"physics": "mujoco", "servo": "model"}),
+        (
+            ("--physics", "mujoco", "--servo", "ideal,pd", "--sag", "2"),
+            {"physics": "mujoco", "servo": ["ideal", "pd"], "sag_deg": 2.0},
+        ),
         (("--physics", "mujoco", "--sample", "3"), {"physics": "mujoco", "sample": 3}),
         (
             ("--physics", "mujoco", "--monte-carlo", "2", "--ranges", "lab", "--seed", "5"),
@@ -106,7 +110,9 @@ def test_progress_names_each_step(walk: Motion):
     engines = available_engines()[-1:]
     validate(walk, physics=engines, monte_carlo=1, progress=lambda *call: calls.append(call))
     steps = list(dict.fromkeys(step for step, _, _ in calls))
-    assert steps == ["static checks", *engines, f"{engines[0]}, 1 random replays"]
+    assert steps == [
+        *("static checks", f"{engines[0]}, ideal servos", f"{engines[0]}, 1 random replays")
+    ]
     assert all(0 <= done <= total for _, done, total in calls)
 
 
@@ -117,6 +123,9 @@ def test_progress_names_each_step(walk: Motion):
         ({"physics": ["mujoco", "mujoco"]}, "physics: 'mujoco, mujoco' is not a list"),
         ({"physics": ""}, "physics: '' is not a list"),
         ({"servo": "perfect"}, "servo: 'perfect' is unknown; use ideal"),
+        ({"servo": []}, "servo: '' is unknown; use ideal"),
+        ({"sag_deg": 2.0}, "sag_deg: only PD servos have it"),
+        ({"servo": "pd", "sag_deg": 0.0}, "sag_deg: 0 is outside the range 0.01 to 90 deg"),
         ({"feed_forward": True}, "feed_forward: ideal servos have no position error"),
         ({"ranges": "huge"}, "ranges: 'huge' is unknown; use wide or lab"),
         ({"monte_carlo": 0}, "monte_carlo: should be a whole number, at least 1; found 0"),
