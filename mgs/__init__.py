@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 from mgs.core.former_paths import FormerPaths
 
 if TYPE_CHECKING:
+    from mgs.core.errors import ComNotAtRestError as ComNotAtRestError
     from mgs.core.errors import ComOutsideFeetError as ComOutsideFeetError
     from mgs.core.errors import ConfigError as ConfigError
     from mgs.core.errors import CycleError as CycleError
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from mgs.core.errors import OutputExistsError as OutputExistsError
     from mgs.core.errors import SeamError as SeamError
     from mgs.core.errors import SimulationError as SimulationError
+    from mgs.core.errors import ZmpMarginError as ZmpMarginError
     from mgs.gait import Gait as Gait
     from mgs.gait import list_gaits as list_gaits
     from mgs.gait import load_gait as load_gait
@@ -58,6 +60,7 @@ __version__ = "0.1.0"
 
 # Where each name comes from; the imports above tell it to type checkers.
 _HOMES = {
+    "ComNotAtRestError": "mgs.core.errors.ComNotAtRestError",
     "ComOutsideFeetError": "mgs.core.errors.ComOutsideFeetError",
     "ConfigError": "mgs.core.errors.ConfigError",
     "CycleError": "mgs.core.errors.CycleError",
@@ -78,6 +81,7 @@ _HOMES = {
     "SeamError": "mgs.core.errors.SeamError",
     "SimulationError": "mgs.core.errors.SimulationError",
     "Verdict": "mgs.judge.verdict.Verdict",
+    "ZmpMarginError": "mgs.core.errors.ZmpMarginError",
     "export": "mgs.motion_file.export.export",
     "generate": "mgs.pipeline.request.generate",
     "list_gaits": "mgs.gait.list_gaits",
