@@ -1,7 +1,8 @@
-"""Where the feet go: a chain of body-centre poses, each sole half a step width beside its own.
+"""Footsteps of a walk: a chain of centre poses, and beside each of them one sole.
 
-The centre advances by (step_length, lateral, step_yaw) a step along the chord of the arc, so that
-equal steps lie on one circle. The trailing foot of a sideways walk only closes up. The last step
+The centre between the feet advances by (step_length, lateral, step_yaw) in each step, along the
+chord of an arc, so that equal steps lie on one circle; the sole lands half a step width beside it.
+In a sideways walk only the leading foot steps out, and the trailing foot closes up. The last step
 lands beside the other foot.
 """
 
@@ -22,10 +23,14 @@ def plan_footsteps(
 ) -> tuple[Footstep, ...]:
     """The two initial footsteps (left, right) about the origin, then one per step.
 
-    Only a walk to a goal needs `limits`.
+    Args:
+        walk: the block `walk` of the gait.
+        width: distance of the sole centres [m].
+        first_support: side of the foot that stands first.
+        limits: largest steps; needed only for a walk to a goal.
 
     Raises:
-        ConfigError: the goal is too far away, or footsteps say something else than other keys.
+        ConfigError: the goal is too far away, or `walk.footsteps` contradicts another key.
     """
     initial = [_beside(np.zeros(3), side, width) for side in Side]
     if walk.footsteps is not None:
@@ -54,7 +59,7 @@ def plan_footsteps(
 
 
 def first_support_of(walk: WalkParameters) -> Side:
-    """The side asked for, else the one that lets the leading foot begin."""
+    """Side of the foot that stands first: as asked, else such that the leading foot steps first."""
     if walk.footsteps is not None and walk.first_support is None:
         return Side[walk.footsteps[0].side.upper()].other
     if walk.first_support is not None:
@@ -75,7 +80,7 @@ def _increment(step: StepParameters, walk: WalkParameters) -> tuple[float, float
 
 
 def _chain(increments: list[tuple[float, float, float]], swing: Side) -> list[Array]:
-    """Centre (3,) after each step."""
+    """Centre pose x, y [m], yaw [rad] (3,) after each step."""
     centre, centres = np.zeros(3), []
     for forward, lateral, yaw in increments:
         leads = swing.sign * lateral > 0.0
@@ -87,22 +92,24 @@ def _chain(increments: list[tuple[float, float, float]], swing: Side) -> list[Ar
 
 
 def _beside(centre: Array, side: Side, width: float) -> Footstep:
+    """The footstep on one side of a centre pose (3,), half a step width [m] away from it."""
     x, y, yaw = compose_planar(centre, [0.0, 0.5 * side.sign * width, 0.0])
     return Footstep(side, float(x), float(y), float(yaw))
 
 
 def _refuse_contradictions(walk: WalkParameters, first_support: Side) -> None:
+    """Raise ConfigError where `walk.footsteps` implies other support feet than the gait names."""
     assert walk.footsteps is not None
     first, last = (Side[walk.footsteps[i].side.upper()].other for i in (0, -1))
     if first is not first_support:
         raise ConfigError(
             "walk.first_support",
-            f"{first_support.label}, but the first of walk.footsteps is one of this side; "
-            "leave it out",
+            f"{first_support.label}, but the first of walk.footsteps is a step of this foot; "
+            "leave walk.first_support out",
         )
     if walk.last_support is not None and Side[walk.last_support.upper()] is not last:
         raise ConfigError(
             "walk.last_support",
-            f"{walk.last_support}, but the last of walk.footsteps is one of this side; "
-            "leave it out",
+            f"{walk.last_support}, but the last of walk.footsteps is a step of this foot; "
+            "leave walk.last_support out",
         )

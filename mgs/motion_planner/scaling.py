@@ -1,9 +1,10 @@
-"""Sizes and times of a walk for the robot that walks it.
+"""Lengths and durations of a walk derived from the size of the robot.
 
-Walks of robots of different size look alike when lengths go with the leg length L and times with
-sqrt(L / g) (equal Froude numbers v^2 / (g L); Alexander, "The gaits of bipedal and quadrupedal
-animals", Int. J. Robotics Research 3(2), 1984). The factors below make a slow walk: Froude number
-0.0007. The ZMP keeps off the edge of the sole by a part of its half width.
+Walks of robots of different size are alike if lengths are proportional to the leg length L and
+durations to sqrt(L / g): their Froude numbers v^2 / (g L) are equal (R. McN. Alexander, "The gaits
+of bipedal and quadrupedal animals", Int. J. Robotics Research 3(2), 1984). The factors below give a
+slow walk with a Froude number of 0.0007. The ZMP keeps a distance from the edge of the sole that is
+a part of the sole's half width.
 """
 
 from __future__ import annotations
@@ -19,18 +20,18 @@ from mgs.robot.legs import missing_turn
 
 STEP_LENGTH, STEP_HEIGHT, ZMP_TOLERANCE = 0.12, 0.04, 5e-4  # in leg lengths
 SINGLE_SUPPORT, DOUBLE_SUPPORT = 2.0, 2.4  # in sqrt(L / g)
-QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT = 1.2, 0.5  # where only the trunk can sway
-QUICK_PASSES = 8  # of the dynamic filter
-LANDING = 0.2  # part of a single support
-MARGIN = 0.5  # of the half width of a sole
-REST_AFTER_PREVIEW = 0.2  # [s]
-DIGITS = 4  # of a figure in the gait as resolved
+QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT = 1.2, 0.5  # of robots that only sway their trunk
+QUICK_PASSES = 8  # passes of the dynamic filter for such robots
+LANDING = 0.2  # last part of a single support, in which the sole comes straight down
+MARGIN = 0.5  # distance of the ZMP from the edge, in half widths of a sole
+REST_AFTER_PREVIEW = 0.2  # rest beyond the preview window [s]
+DIGITS = 4  # decimal places of derived values
 
 
 def for_robot(gait: SingleGait, robot: Robot) -> SingleGait:
-    """The gait with `walk.sizes: robot` resolved; any other gait as it is.
+    """The gait with `walk.sizes: robot` resolved; any other gait unchanged.
 
-    What the gait file states stays; what it leaves out is derived from leg length and soles.
+    Values that the gait file states stay; the others are derived from leg length and soles.
     """
     if not isinstance(gait, WalkGait) or gait.walk.sizes == "given":
         return gait
@@ -41,6 +42,7 @@ def for_robot(gait: SingleGait, robot: Robot) -> SingleGait:
 
 
 def _walk_sizes(gait: WalkGait, robot: Robot) -> dict[str, Any]:
+    """Derived values of the block `walk`."""
     length = leg_length(robot)
     time = math.sqrt(length / GRAVITY)
     usual = WalkParameters.model_fields["lead_in"].default
@@ -60,6 +62,7 @@ def _walk_sizes(gait: WalkGait, robot: Robot) -> dict[str, Any]:
 
 
 def _com_sizes(robot: Robot) -> dict[str, Any]:
+    """Derived values of the block `com`."""
     width = min(min(robot.sole_spec(s).width, robot.sole_spec(s).length) for s in Side)
     default = ComParameters.model_fields["passes"].default
     return {
@@ -72,10 +75,10 @@ def _com_sizes(robot: Robot) -> dict[str, Any]:
 
 
 def _stated(block: WalkParameters | ComParameters) -> dict[str, Any]:
-    """Keys that the gait file has."""
+    """Values that the gait file states."""
     return {key: getattr(block, key) for key in block.model_fields_set}
 
 
 def _whole(duration: float, dt: float) -> float:
-    """A duration [s] of whole samples."""
+    """The nearest duration that is a whole number of samples [s]."""
     return round(round(duration / dt) * dt, 6)

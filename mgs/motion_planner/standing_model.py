@@ -1,8 +1,10 @@
-"""A robot that holds still on both soles with something in its hands: loads, CoM and gaps.
+"""A robot that stands still on both soles with a payload: joint torques, CoM and gaps.
 
-tau = g(q) + sum_hands m g J_z^T - sum_soles f_i (J_z + y_i J_roll - x_i J_pitch)^T, where the soles
-share the weight as the CoM stands between them, f_i acting at the point (x_i, y_i) that the sole's
-share of the CoM's offset leaves.
+    tau = g(q) + sum_hands m g J_z^T - sum_soles f_i (J_z + y_i J_roll - x_i J_pitch)^T
+
+The soles share the weight according to the position of the CoM between them. The force f_i acts at
+the point (x_i, y_i): the sole's centre, shifted by the offset of the CoM from the line between the
+two centres.
 """
 
 from __future__ import annotations
@@ -21,21 +23,21 @@ from mgs.robot import Robot
 
 @dataclass(frozen=True, eq=False)
 class Standing:
-    """What one posture brings about; world frame, origin midway between the soles."""
+    """Quantities of one posture; world frame, origin on the ground midway between the soles."""
 
-    right_sole: Array  # (6,) error of its pose, log map [m] and [rad]
+    right_sole: Array  # (6,) error of the right sole's pose, log map [m], [rad]
     hands: Array  # (2, 3) [m]
     com: Array  # (3,) of the robot alone [m]
     loaded_com: Array  # (3,) with the payload [m]
     torque: Array  # (n,) [N m]
-    gaps: Array  # (p,) distances of the pairs of bodies asked for, negative inside [m]
+    gaps: Array  # (p,) distances of the measured pairs of bodies, negative inside [m]
 
 
 class StandingModel:
-    """Postures of one robot, the left sole where it is at rest."""
+    """Postures of one robot whose left sole stays where it is at rest."""
 
     def __init__(self, robot: Robot, payload: Array) -> None:
-        """Prepare for a payload (2,) in the hands [kg]."""
+        """Model of a robot with a payload (2,) in its left and right hand [kg]."""
         self.robot, self.payload = robot, payload
         self.model, self.data = robot.model, robot.model.createData()
         self.geometry_data = robot.geometry.createData()
@@ -45,7 +47,7 @@ class StandingModel:
         self.pairs: list[int] = []  # collision pairs whose gaps are measured
 
     def place(self, joints: Array) -> Array:
-        """Configuration (7 + n,) of joints (n,), the bodies' placements known to `data`."""
+        """Configuration (7 + n,) for joint angles (n,) [rad]; updates placements and Jacobians."""
         q, data = self.q, self.data
         q[:FLOATING_BASE_NQ] = pin.neutral(self.model)[:FLOATING_BASE_NQ]
         q[FLOATING_BASE_NQ:] = joints
@@ -58,7 +60,7 @@ class StandingModel:
         return q
 
     def stand(self, joints: Array) -> Standing:
-        """Everything about joint angles (n,)."""
+        """Quantities of the posture with joint angles (n,) [rad]."""
         robot, model, data = self.robot, self.model, self.data
         q = self.place(joints)
         hands = np.array([data.oMf[frame].translation for frame in robot.hand_frames])
@@ -88,21 +90,21 @@ class StandingModel:
         return np.array(pin.Quaternion(rotation).coeffs())
 
     def collisions(self, joints: Array) -> list[int]:
-        """Indices of the pairs of bodies that touch and may not."""
+        """Indices of the pairs of bodies that touch although they may not."""
         geometry, geometry_data = self.robot.geometry, self.geometry_data
         q = self.place(joints)
         pin.computeCollisions(self.model, self.data, geometry, geometry_data, q, False)
         return [i for i, r in enumerate(geometry_data.collisionResults) if r.isCollision()]
 
     def names_of(self, pair: int) -> str:
-        """The two links of a pair."""
+        """Names of the two links of a pair."""
         geometry = self.robot.geometry
         both = (geometry.collisionPairs[pair].first, geometry.collisionPairs[pair].second)
         frames = (geometry.geometryObjects[i].parentFrame for i in both)
         return " and ".join(self.model.frames[frame].name for frame in frames)
 
     def polygon(self) -> Array:
-        """Support polygon (m, 2), counter-clockwise."""
+        """Support polygon (m, 2), counter-clockwise [m]."""
         corners = []
         for side, sole in zip(Side, self.soles, strict=True):
             spec, yaw = self.robot.sole_spec(side), np.arctan2(*sole.rotation[1::-1, 0])
@@ -110,7 +112,7 @@ class StandingModel:
         return convex_hull(np.concatenate(corners))
 
     def _sole_forces(self, com: Array, weight: float) -> Array:
-        """Generalised forces (6 + n,) of the ground below a CoM (3,)."""
+        """Generalised forces (6 + n,) of the ground on the soles for a CoM (3,) [N], [N m]."""
         left, right = (sole.translation[:2] for sole in self.soles)
         across = left - right
         share = float((com[:2] - right) @ across / (across @ across))
@@ -123,6 +125,7 @@ class StandingModel:
         return forces
 
     def _gaps(self, q: Array) -> Array:
+        """Distances (p,) of the measured pairs of bodies [m]."""
         geometry, geometry_data = self.robot.geometry, self.geometry_data
         if not self.pairs:
             return np.empty(0)

@@ -1,4 +1,4 @@
-"""The posture in which a robot on both soles brings its hands somewhere, found before it moves.
+"""The static posture in which a robot on both soles brings its hands to given points.
 
 Over joint angles x, the left sole on the ground, with c the CoM of robot and payload:
 
@@ -6,11 +6,12 @@ Over joint angles x, the left sole on the ground, with c the CoM of robot and pa
     s.t. right sole in its place,  hands at their goals,  c inside the soles by a margin,
          no two bodies touch,  lower + room <= x <= upper - room
 
-tau holds the robot still; c and middle are horizontal, d is the distance from the middle of the
-support polygon to its nearest edge. Solved by sequential quadratic programming (Kraft, DFVLR-FB
-88-28, 1988, as in SciPy), along a path of goals that begins where the hands are at first: a crouch
-is far from standing, and the way there keeps to the same bends of knees and elbows. Bodies are kept
-apart once they have been found to touch.
+tau are the torques that hold the robot still; c and middle are horizontal, and d is the distance
+from the middle of the support polygon to its nearest edge. The problem is solved by sequential
+quadratic programming (D. Kraft, "A software package for sequential quadratic programming", report
+DFVLR-FB 88-28, DLR, 1988, as in SciPy) for a series of goals from the present places of the hands
+to the final ones: a crouch is far from standing, and on the way there knees and elbows keep the
+directions in which they bend. Bodies are kept apart once they have been found to touch.
 """
 
 from __future__ import annotations
@@ -27,20 +28,20 @@ from mgs.motion_planner.standing_model import StandingModel
 from mgs.robot import Robot
 
 WEIGHT_POSTURE, WEIGHT_TORQUE, WEIGHT_COM = 1.0, 1.0, 0.3
-ROOM = 0.08  # [rad] kept to joint limits; from a stretched elbow or knee no direction is free
+ROOM = 0.08  # distance from joint limits [rad]; a stretched limb cannot move in all directions
 COM_MARGIN = 0.4  # of the distance from the middle of the support polygon to its nearest edge
-GAP = 0.005  # [m] between bodies that would touch
-LENGTH_UNIT = 0.01  # [m] and [rad] that count as one in errors
-N_GOALS = 3  # on the way
+GAP = 0.005  # least distance of bodies that would touch [m]
+LENGTH_UNIT = 0.01  # error that counts as one [m], [rad]
+N_GOALS = 3  # number of goals on the way, the final one included
 MAX_ITERATIONS = 100
-MAX_CONTACTS = 6  # times that bodies are found to touch
-DIFFERENCE = 1e-6  # [rad] of the one-sided differences
-TOLERANCE = 1e-5  # [m] and [rad] of soles and hands; the IK meets them exactly
+MAX_CONTACTS = 6  # largest number of searches that keep touching bodies apart
+DIFFERENCE = 1e-6  # step of the one-sided differences [rad]
+TOLERANCE = 1e-5  # largest error of soles and hands [m], [rad]; the IK removes it
 
 
 @dataclass(frozen=True, eq=False)
 class StaticPose:
-    """A posture and what the plan needs of it; world frame."""
+    """A posture, with the places of its CoM, torso and hands in the world frame."""
 
     joints: Array  # (n,) [rad]
     com: Array  # (3,) of the robot alone [m]
@@ -53,13 +54,13 @@ def find_pose(robot: Robot, goals: Array, payload: Array, start: Array) -> Stati
 
     Args:
         robot: the robot.
-        goals: positions (2, 3) of left and right hand, world, origin midway between the soles [m];
-            NaN: this hand is free.
+        goals: positions (2, 3) of left and right hand; world frame, origin midway between the
+            soles [m]; NaN: this hand is free.
         payload: masses (2,) in the hands [kg].
-        start: joint angles (n,) to set out from.
+        start: joint angles (n,) that the search starts from [rad].
 
     Raises:
-        InfeasibleGaitError: no such posture; says how far off the hands stay.
+        InfeasibleGaitError: there is no such posture; the message says how far off the hands stay.
     """
     search = _Search(StandingModel(robot, payload), ~np.isnan(goals[:, 0]))
     began = search.model.stand(start).hands
@@ -79,7 +80,7 @@ def find_pose(robot: Robot, goals: Array, payload: Array, start: Array) -> Stati
 
 
 class _Search:
-    """The problem of one robot and payload; `asked` (2,) says which hands have goals."""
+    """Search for postures of one robot and payload; `asked` (2,) tells which hands have goals."""
 
     def __init__(self, model: StandingModel, asked: NDArray[np.bool_]) -> None:
         self.model, self.asked = model, asked
@@ -97,13 +98,14 @@ class _Search:
         self.depth = float((self.inward @ self.middle - self.offset).min())
 
     def solve(self, start: Array, goals: Array) -> Array:
-        """Joint angles (n,) with the hands at their goals as far as they can be."""
+        """Joint angles (n,) with the hands at their goals, or as near as they come [rad]."""
         joints = self._minimise(start, goals, hands_hard=True)
         if np.abs(self._errors(joints, goals)).max() > TOLERANCE:
             joints = self._minimise(start, goals, hands_hard=False)
         return joints
 
     def _minimise(self, start: Array, goals: Array, hands_hard: bool) -> Array:
+        """Joint angles (n,) of least cost [rad]; the goals are constraints, or part of the cost."""
         from scipy.optimize import minimize  # slow to import, needed by few motions
 
         parts = _Parts(lambda x: self._parts(x, goals, hands_hard))
@@ -126,7 +128,7 @@ class _Search:
         return np.asarray(np.clip(result.x, self.low, self.high))
 
     def _parts(self, joints: Array, goals: Array, hands_hard: bool) -> tuple[Array, Array, Array]:
-        """Residuals whose squares are least, those that vanish, and those that are positive."""
+        """Residuals to minimise in sum of squares, to make zero, and to keep positive."""
         robot = self.model.robot
         standing = self.model.stand(joints)
         com = standing.loaded_com[:2]
@@ -146,37 +148,38 @@ class _Search:
         return np.concatenate(least), np.concatenate(vanishing), positive
 
     def _errors(self, joints: Array, goals: Array) -> Array:
-        """Of sole and hands [m] and [rad]."""
+        """Errors of the right sole (6,) and of the hands with goals [m], [rad]."""
         standing = self.model.stand(joints)
         return np.concatenate([standing.right_sole, (standing.hands - goals)[self.asked].ravel()])
 
     def refuse(self, joints: Array, goals: Array, touching: list[int]) -> None:
-        """Raise InfeasibleGaitError where a pose does not do what it shall."""
+        """Raise InfeasibleGaitError where a posture misses its goals or two bodies touch."""
         standing = self.model.stand(joints)
         gaps = np.where(self.asked, np.linalg.norm(standing.hands - goals, axis=1), 0.0)
         worst = int(np.argmax(gaps))
         side = ("left", "right")[worst]
         if not np.abs(self._errors(joints, goals)).max() <= TOLERANCE:
             raise InfeasibleGaitError(
-                f"the {side} hand cannot reach {_point(goals[worst])}: in balance, inside the "
-                f"joint limits and without touching itself {self.model.robot.spec.name} comes to "
-                f"{_point(standing.hands[worst])}, {1e3 * gaps[worst]:.0f} mm away; move the "
-                "object there or nearer to the feet"
+                f"the {side} hand cannot reach {_point(goals[worst])}: in balance, within joint "
+                f"limits and without self-collision {self.model.robot.spec.name} reaches "
+                f"{_point(standing.hands[worst])}, {1e3 * gaps[worst]:.0f} mm away; move "
+                "pick_up.object there or nearer to the feet"
             )
         if touching:
             raise InfeasibleGaitError(
                 f"with the {side} hand at {_point(goals[worst])} "
                 f"{self.model.names_of(touching[0])} touch; "
-                "move the object sideways or away from the feet"
+                "move pick_up.object sideways or away from the feet"
             )
 
 
 def _point(position: Array) -> str:
+    """Coordinates (3,) as text [m]."""
     return "(" + ", ".join(f"{x:.3f}" for x in position) + ") m"
 
 
 class _Parts:
-    """Values and one-sided differences of a function of three parts, kept for one point."""
+    """A function with three parts: its values and Jacobians, kept for the last point."""
 
     def __init__(self, function: Callable[[Array], tuple[Array, Array, Array]]) -> None:
         self.function = function
@@ -185,13 +188,13 @@ class _Parts:
         self.slopes: tuple[Array, ...] | None = None
 
     def value(self, x: Array, part: int) -> Array:
-        """One part (m,) at x (n,)."""
+        """Value (m,) of one part at x (n,)."""
         if self.values is None or not np.array_equal(x, self.at):
             self.at, self.values, self.slopes = x.copy(), self.function(x), None
         return self.values[part]
 
     def slope(self, x: Array, part: int) -> Array:
-        """Jacobian (m, n) of one part."""
+        """Jacobian (m, n) of one part at x (n,), by one-sided differences."""
         self.value(x, part)
         assert self.values is not None
         if self.slopes is None:

@@ -1,4 +1,4 @@
-"""Stairs and obstacles: on what a footstep stands, and how a swing sole comes over the edges."""
+"""Stairs and obstacles: the heights of footsteps, and swings that keep clear of edges."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from mgs.core.scene import Box, ground_below
 from mgs.motion_planner.motion_plan import SwingPath
 from mgs.robot import Robot
 
-N_ALONG = 101  # places of a swing that are looked at
-# Rise, move and fall one after the other as far as need be, as parts of the single support.
+N_ALONG = 101  # number of places of a swing that are checked
+# Shapes of a swing that are tried: 0 rises, moves and falls at once, 1 one after the other.
 SQUARENESS = np.linspace(0.0, 1.0, 11)
 ROUNDING = 1e-9  # [m]
 
@@ -30,10 +30,10 @@ def corners_of(robot: Robot, footstep: Footstep) -> Array:
 def stand_on(
     robot: Robot, footsteps: tuple[Footstep, ...], boxes: tuple[Box, ...]
 ) -> list[Footstep]:
-    """Footsteps on top of the boxes below them.
+    """Footsteps raised to the tops of the boxes below them.
 
     Raises:
-        InfeasibleGaitError: a footstep stands on an edge.
+        InfeasibleGaitError: a footstep stands over the edge of a box.
     """
     if not boxes:
         return list(footsteps)
@@ -46,7 +46,7 @@ def stand_on(
         if z > 0.0 and max(insides) < 0.0:
             raise InfeasibleGaitError(
                 f"footstep {number} stands {-1e3 * max(insides):.1f} mm over the edge of a box "
-                f"{z:g} m high; move the footstep or lengthen the box"
+                f"{z:g} m high; move the footstep or use a longer box in walk.boxes"
             )
         placed.append(replace(footstep, z=z))
     return placed
@@ -55,23 +55,23 @@ def stand_on(
 def refuse_crossing(
     robot: Robot, start: Footstep, target: Footstep, support: Footstep, number: int
 ) -> None:
-    """Raise InfeasibleGaitError where the swing sole on its way would strike the other leg."""
+    """Raise InfeasibleGaitError where the swing sole would strike the other leg on its way."""
     path = _planar_path(start, target, np.linspace(0.0, 1.0, N_ALONG))
     gaps = rectangle_gaps(_corners_at(robot, target, path), corners_of(robot, support))
     if gaps.min() < 0.0:
         raise InfeasibleGaitError(
             f"on its way to footstep {number} the {target.side.label} foot would strike the other "
-            f"leg, by {-1e3 * gaps.min():.1f} mm; use a larger step_width or a smaller step"
+            f"leg, by {-1e3 * gaps.min():.1f} mm; use a larger walk.step_width or a smaller step"
         )
 
 
 def swing_over(
     robot: Robot, start: Footstep, target: Footstep, plan: SwingParameters
 ) -> SwingPath | None:
-    """A swing that keeps clear of boxes, as square as need be; None where there is no box.
+    """The least square swing that keeps clear of boxes; None where there is no box on the way.
 
     Raises:
-        InfeasibleGaitError: an edge is closer than the clearance, however square the swing.
+        InfeasibleGaitError: even the squarest swing comes closer to an edge than the clearance.
     """
     path = _planar_path(start, target, np.linspace(0.0, 1.0, N_ALONG))
     ground = ground_below(plan.boxes, _corners_at(robot, target, path))
@@ -86,23 +86,23 @@ def swing_over(
     raise InfeasibleGaitError(
         f"the swing to ({target.x:.3f}, {target.y:.3f}) m comes "
         f"{1e3 * (plan.clearance + room):.1f} mm close to an edge, "
-        f"walk.clearance = {1e3 * plan.clearance:.1f} mm allowed; use a greater walk.step_height "
-        "or a smaller walk.clearance"
+        f"but walk.clearance is {1e3 * plan.clearance:.1f} mm; use a greater walk.step_height or "
+        "a smaller walk.clearance"
     )
 
 
 @dataclass(frozen=True)
 class SwingParameters:
-    """What a swing over boxes has to keep to."""
+    """Requirements on a swing over boxes."""
 
     boxes: tuple[Box, ...]
-    step_height: float  # above the highest ground on the way [m]
-    clearance: float  # of a sole above what it is not on [m]
-    duration: float  # [s]
+    step_height: float  # highest point above the highest ground on the way [m]
+    clearance: float  # least height of the sole above a box that it does not stand on [m]
+    duration: float  # of the swing [s]
 
 
 def _planar_path(start: Footstep, target: Footstep, along: Array) -> Array:
-    """Planar poses (m, 3) at parts (m,) of the way."""
+    """Planar poses (m, 3) at parts (m,) of the straight way between two footsteps."""
     a, b = (np.array([f.x, f.y, f.yaw]) for f in (start, target))
     return np.asarray(a + along[:, None] * (b - a))
 
@@ -116,7 +116,7 @@ def _corners_at(robot: Robot, footstep: Footstep, poses: Array) -> Array:
 def _square_swing(
     start: Footstep, target: Footstep, apex: float, duration: float, squareness: float
 ) -> SwingPath:
-    """Up to the apex, along, and down: at once (0) or one after the other (1)."""
+    """A swing up to the apex [m], along and down: all at once (0) or one after the other (1)."""
     overlap = 0.15 * (1.0 - squareness)
     rise, fall = 0.35 + overlap, 0.65 - overlap
     set_off, arrive = 0.3 * squareness, 1.0 - 0.3 * squareness
@@ -130,9 +130,9 @@ def _square_swing(
 
 
 def _room(robot: Robot, target: Footstep, swing: SwingPath, plan: SwingParameters) -> float:
-    """Least height of the sole above boxes, less the clearance [m].
+    """Least height of the sole above boxes, minus the clearance [m].
 
-    A sole that is wholly on a box, as it is when it lifts off or lands, needs none.
+    A sole that is entirely above a box, as at lift-off and landing, needs no clearance.
     """
     times = np.linspace(0.0, plan.duration, N_ALONG)
     corners = _corners_at(robot, target, evaluate(swing.planar, times))

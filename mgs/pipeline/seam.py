@@ -1,8 +1,8 @@
-"""The seam between two parts: what has to agree there, and the motion over what does not.
+"""The seam between two parts of a sequence: what has to agree there, and the transition.
 
-Soles have to agree, for nobody shifts them, and joints have to be at rest. Posture and CoM may
-differ: in the null space of its tasks a part goes where its inverse kinematics likes. Where they
-do, a transition moves the robot from the one posture to the other on both feet.
+The soles have to agree, since a transition does not move them, and the joints have to be at rest.
+Posture and CoM may differ, because tasks do not determine all joint angles. Where they differ, a
+transition moves the robot from one posture to the other on both feet.
 """
 
 from __future__ import annotations
@@ -28,13 +28,15 @@ from mgs.pipeline.stages import Stages
 from mgs.trajectory_planner import TaskTrajectory
 
 SOLE_TOLERANCE, COM_TOLERANCE = 2e-4, 4e-4  # [m]
-TURN_TOLERANCE = 5e-4  # [rad] of a sole
+TURN_TOLERANCE = 5e-4  # of a sole [rad]
 JOINT_TOLERANCE = 5e-4  # [rad]
-SPEED_TOLERANCE = 0.05  # [rad/s], of a joint that counts as at rest
-SAME_WIDTH = "give both parts the same step_width"
-TAKE_TIME = "set sequence.transition to some time, or let both ask the same of CoM and hands"
-REST = "both parts have to be at rest there"
-LEAST_SAMPLES = 5  # of a transition
+SPEED_TOLERANCE = 0.05  # of a joint that counts as at rest [rad/s]
+BOTH_FEET = "let both parts begin and end on both feet"
+SAME_WIDTH = "use the same step_width in both parts"
+TAKE_TIME = "use a longer sequence.transition than 0, or the same CoM and hands in both parts"
+SAME_POSTURE = "use the same CoM and hands in both parts where they meet"
+REST = "use a longer rest at the end of the one part and at the start of the other"
+LEAST_SAMPLES = 5  # least number of samples of a transition
 
 Difference = tuple[Array, list[str], float, str, str]  # sizes, of what, tolerance, unit, remedy
 
@@ -43,7 +45,7 @@ def refuse_shifted_soles(before: Motion, after: Motion, part: str) -> None:
     """Raise SeamError unless both stand on the same soles, both of them on the ground."""
     for motion, sample, verb in ((before, -1, "ends"), (after, 0, "begins")):
         if motion.support[sample] != Support.DOUBLE:
-            raise SeamError(part, f"one of the two {verb} on one foot", "stand on both")
+            raise SeamError(part, f"one of the two {verb} on one foot", BOTH_FEET)
     sole, next_sole = before.soles_ref[-1], after.soles_ref[0]
     names = [f"the {side.label} sole" for side in Side]
     apart = np.linalg.norm(next_sole[:, :3] - sole[:, :3], axis=1)
@@ -84,12 +86,12 @@ def _refuse(part: str, *differences: Difference) -> None:
 
 
 def transition(before: Motion, stages: Stages, part: str, duration: float) -> Motion:
-    """The motion from the last posture of `before` to the first of `stages`.
+    """The motion from the last posture of `before` to the first posture of `stages`.
 
     Both are seen from the same frame, and both stand on the same soles.
 
     Raises:
-        InfeasibleGaitError: there is no way from one to the other on both feet.
+        InfeasibleGaitError: there is no way from one posture to the other on both feet.
     """
     after = stages.motion
     n = max(LEAST_SAMPLES, round(duration / after.dt)) + 1
@@ -111,7 +113,9 @@ def transition(before: Motion, stages: Stages, part: str, duration: float) -> Mo
     try:
         joints = bridge_postures(after.robot, tasks, given, *ends)
     except InfeasibleGaitError as error:
-        raise InfeasibleGaitError(f"{part}: on the way to its first posture: {error}") from error
+        refusal = InfeasibleGaitError(f"{part}: on the way to its first posture: {error}")
+        refusal.remedy = SAME_POSTURE
+        raise refusal from error
     motion = assemble(after.robot, stages.gait, part, stages.plan, tasks, given, joints)
     return dataclasses.replace(
         motion,

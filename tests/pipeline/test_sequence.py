@@ -182,6 +182,9 @@ def test_without_a_transition_another_posture_is_refused_with_the_difference():
     ) as caught:
         made(quick_walk(), LOW, transition=0.0)
     assert caught.value.part == "sequence.parts.1 (walk)"
+    assert str(caught.value).endswith(
+        "; use a longer sequence.transition than 0, or the same CoM and hands in both parts"
+    )
 
 
 def test_another_step_width_is_refused_whatever_the_transition():
@@ -197,8 +200,9 @@ def test_a_part_that_does_not_end_at_rest_is_refused(monkeypatch):
 
 def test_what_a_part_cannot_do_is_told_with_its_name():
     far = quick_walk(step_length=0.3)
-    with pytest.raises(InfeasibleGaitError, match=r"^sequence\.parts\.1 \(walk\): t = "):
+    with pytest.raises(InfeasibleGaitError, match=r"^sequence\.parts\.1 \(walk\): t = ") as caught:
         made(quick_walk(), far)
+    assert "; use a shorter walk.step_length" in str(caught.value)
     short = quick_walk(single_support=0.04)
     with pytest.raises(ConfigError, match=r"^sequence\.parts\.1 \(walk\): walk\.single_supp"):
         made(quick_walk(), short)
