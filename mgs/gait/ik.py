@@ -167,6 +167,12 @@ class IkParameters(Model):
         description="clik: task-only Newton updates per sample, null: until the tolerance is met; "
         "ik2, ik4, ik5: n, null: 15.",
     )
+    torso: Literal["free", "upright", "hold"] = Field(
+        "free",
+        description="Orientation of the torso that clik keeps as far as its other tasks allow. "
+        "free: none; upright: its axis vertical, its heading that of the soles; hold: the "
+        "orientation in the half-sitting posture, turned with the soles.",
+    )
     on_limit: Literal["refuse", "record"] = Field(
         "refuse", description="What to do when a joint leaves its range."
     )

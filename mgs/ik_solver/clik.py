@@ -12,12 +12,19 @@ The tree is rooted at the support sole. In the paper H_grav makes sense in singl
 gamma_grav falls linearly to zero before double support and rises after it. Where `double_support`
 says how two soles share the weight, tau holds throughout and gamma_grav stays on.
 W = s^2 I with s = 0.70 kg m / (M z_c), so that a gain means the same on every robot.
+
+The paper leaves the orientation of the torso free, and it drifts. With `torso` it is a task of
+lower priority than J and of higher priority than v0. Its step is taken in the null space of J, so
+that it is met where the robot can meet it, and never at the cost of soles, hands or CoM (Siciliano
+and Slotine, "A general framework for managing multiple tasks in highly redundant robotic systems",
+ICAR 1991).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import pinocchio as pin
@@ -32,11 +39,19 @@ from mgs.ik_solver.joint_trajectory import JointTrajectory
 from mgs.ik_solver.residuals import refuse_limits
 from mgs.ik_solver.tree.least_norm import LeastNorm
 from mgs.ik_solver.tree.static_loads import Sharing, StaticLoads, loaded_gravity
-from mgs.ik_solver.tree.targets import refuse_task_misses, refuse_torso, root_spans, tree_targets
+from mgs.ik_solver.tree.targets import (
+    refuse_task_misses,
+    refuse_torso,
+    root_spans,
+    torso_targets,
+    tree_targets,
+)
 from mgs.ik_solver.tree.tasks import N_TASKS, TURN, TreeTasks
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
 
+TorsoMode = Literal["free", "upright", "hold"]
+TORSO_DAMPING = 0.02  # of the torso's Jacobian in the null space, whose singular values are about 1
 UPDATE_ABOVE = 1e-5  # [m] and [rad], task error that calls for a Newton update, inside TOLERANCES
 MAX_UPDATES = 10  # per sample; converging ones need one or two
 MAX_START_UPDATES = 50
@@ -52,6 +67,7 @@ class ClosedLoopIk:
     gamma_grav_ramp: float = 0.2  # [s]
     double_support: Sharing = "shared"  # how soles share the weight; off: gamma_grav is 0 there
     iterations: int | None = None  # Newton updates per sample; None: until UPDATE_ABOVE is met
+    torso: TorsoMode = "free"  # whether the null space holds the torso's orientation
     keep_limits: bool = True  # False: record a joint outside its range instead of refusing it
     damping: float = 1e-6  # Levenberg term, in the unit of J
 
@@ -64,6 +80,7 @@ class ClosedLoopIk:
             gamma_grav_ramp=parameters.gamma_grav_ramp,
             double_support=parameters.double_support,
             iterations=parameters.iterations,
+            torso=parameters.torso,
             keep_limits=parameters.on_limit == "refuse",
         )
 
@@ -132,6 +149,7 @@ class _Run:
         self.inverse_range2 = 1.0 / (robot.upper - robot.lower) ** 2
         self.middle = 0.5 * (robot.upper + robot.lower)
         self.angles = np.empty((tasks.n_samples, robot.n))
+        self.torso = torso_targets(robot, tasks, tuning.torso)
         self.updates = 0
         self.m = self.trees[0].n_rows
 
@@ -177,7 +195,8 @@ class _Run:
             if gain_grav[k]:
                 tau, dtau = loaded_gravity(tree, self.loads, k, q)
                 v0 -= tau.dot(dtau) * gain_grav[k]
-            q = np.add(q, solver.step(error + step), q_next)
+            dq = self._step(tree, solver, error + step, k)
+            q = np.add(q, dq, q_next)
             tree.update(q)
             error = error_next  # t[k] - f(q[k]); with the next step t[k + 1] - f(q[k])
             tree.error(x, R, error)
@@ -192,17 +211,29 @@ class _Run:
         self.angles[span, tree.order] = path
         return errors
 
+    def _step(
+        self, tree: TreeTasks, solver: LeastNorm, error: Array, k: int, extra_damping2: float = 0.0
+    ) -> Array:
+        """Joint step (n,) for a task error (m,) at sample k, the torso's turn in its null space."""
+        step = solver.step(error, extra_damping2)
+        if self.torso is None:
+            return step
+        J_torso, turn = tree.torso_error(self.torso[k])
+        return solver.add_below(step, J_torso, turn, TORSO_DAMPING)
+
     def _start(self, tree: TreeTasks, q: Array, positions: Array, rotation: Array) -> None:
         """Bring q (n,) from the half-sitting posture onto the tasks of the first sample."""
         error, solver = np.empty(self.m), LeastNorm(tree.rows, self.tuning.damping)
         for _ in range(MAX_START_UPDATES):
             tree.update(q)
             tree.error(positions, rotation, error)
-            if error @ error < UPDATE_ABOVE**4:  # quadratic convergence: the last one is exact
+            step = self._step(tree, solver, error, 0, error.dot(error))
+            off = error.dot(error) if self.torso is None else max(error.dot(error), step.dot(step))
+            if off < UPDATE_ABOVE**4:  # quadratic convergence: the last step was exact
                 break
             # damping by the error (Sugihara, IEEE Trans. Robotics 27(5), 2011) settles at the
             # nearest posture where the goal is out of reach: the message then says how far it is
-            q += solver.step(error, error.dot(error))
+            q += step
         self._refuse_stiff_joint_gain()
         self._refuse_stiff_gravity_gain(tree, q)
 

@@ -134,6 +134,7 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
             "gamma_grav_ramp": 0.2,
             "double_support": "shared",
             "iterations": None,
+            "torso": "free",
             "on_limit": "refuse",
             "faraji": {
                 "hard": ["soles", "torso", "hands"],

@@ -48,3 +48,19 @@ class LeastNorm:
             self._A += extra_damping2 * np.eye(len(self._A))
         self._y[:-1] = self._factor.compute(self._A).solve(error - self._Jv)
         return self._y.dot(self._rows)
+
+    def add_below(self, step: Array, J_low: Array, error: Array, damping: float) -> Array:
+        """The last step (n,), extended in the null space of J towards a task of lower priority.
+
+            step + B^T (B B^T + damping^2 I)^-1 (error - J_low step),   B = J_low (I - J^+ J)
+
+        Args:
+            step: what `step` returned.
+            J_low: (l, n) Jacobian of the lower task.
+            error: (l,) its error.
+            damping: where B is smaller than this, in the unit of J, the lower task is left alone.
+        """
+        J = self._rows[:-1]
+        B = J_low - self._factor.solve(J.dot(J_low.T)).T.dot(J)
+        A = B.dot(B.T) + damping**2 * np.eye(len(B))
+        return np.asarray(step + np.linalg.solve(A, error - J_low.dot(step)).dot(B))

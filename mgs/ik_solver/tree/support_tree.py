@@ -47,6 +47,7 @@ class SupportTree:
     swing_sole: int  # frame ids
     hands: tuple[int, int]
     base: int
+    torso: int
 
     def place(self, T_world_sole: pin.SE3) -> None:
         """Put the root sole somewhere in the world, the frame of all results from then on."""
@@ -79,6 +80,7 @@ def build_support_tree(robot: Robot, side: Side) -> SupportTree:
         swing_sole=swing,
         hands=(left_hand, right_hand),
         base=base,
+        torso=_copy_frame(source, model, placed, robot.torso_frame),
     )
 
 

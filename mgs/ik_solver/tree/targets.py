@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
+from typing import Literal
 
 import numpy as np
 
 from mgs.core.arrays import Array
 from mgs.core.contact import Side
 from mgs.core.errors import ConfigError, IkError
-from mgs.core.geometry import rotations_from_quat_xyzw
+from mgs.core.geometry import quat_xyzw_from_yaw, rotations_from_quat_xyzw, yaw_from_quat_xyzw
 from mgs.ik_solver.tree.tasks import COM, LEFT_HAND, RIGHT_HAND, SWING, TURN
+from mgs.robot import Robot
+from mgs.robot.legs import missing_turn
 from mgs.trajectory_planner import TaskTrajectory
 
 # A motion file is refused beyond these.
@@ -32,6 +35,22 @@ def refuse_torso(tasks: TaskTrajectory, solver: str) -> None:
             f"{solver} leaves the torso free, but this gait has channels for it; use ik1 to ik5, "
             "prioritized or prioritized-acceleration",
         )
+
+
+def torso_targets(
+    robot: Robot, tasks: TaskTrajectory, mode: Literal["free", "upright", "hold"]
+) -> Array | None:
+    """Rotations (N, 3, 3) that the torso shall keep; None: it is free.
+
+    `hold` keeps the orientation of the half-sitting posture, turned with the soles; `upright` keeps
+    its heading alone, with the torso's z axis vertical. Legs that lack a turn of the sole hold the
+    pelvis already and leave no room for the torso.
+    """
+    if mode == "free" or missing_turn(robot) is not None:
+        return None
+    if mode == "hold":
+        return rotations_from_quat_xyzw(tasks.torso)
+    return rotations_from_quat_xyzw(quat_xyzw_from_yaw(yaw_from_quat_xyzw(tasks.torso)))
 
 
 def root_spans(tasks: TaskTrajectory) -> Iterator[tuple[int, int]]:

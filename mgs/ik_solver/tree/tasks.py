@@ -130,6 +130,12 @@ class TreeTasks:
         if self.held_rows:
             out[self.held_rows] = self._base_turn[self._held_axes]
 
+    def torso_error(self, R_ref: Array) -> tuple[Array, Array]:
+        """Jacobian (3, n) and error (3,) of the torso's rotation, after `update`, world axes."""
+        frame = self.tree.torso
+        J = pin.getFrameJacobian(self.model, self.data, frame, WORLD_ALIGNED)[3:]
+        return J, pin.log3(R_ref.dot(self.data.oMf[frame].rotation.T))
+
     def gravity(self, q: Array) -> tuple[Array, Array]:
         """Gravity torques (n,) [N m] and their derivative (n, n), in the tree's order.
 
