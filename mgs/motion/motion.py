@@ -53,11 +53,14 @@ class Motion:
             f"solver {self.provenance.solver.name}>"
         )
 
-    def _repr_png_(self) -> bytes:
-        """The picture that a notebook shows."""
-        # Drawing is the work of a later room. It is called by its name, at the moment when somebody
-        # looks: neither this module nor whoever uses it depends on it.
-        drawing = importlib.import_module("mgs.report.picture")
+    def _repr_png_(self) -> bytes | None:
+        """Picture that a notebook shows; None without matplotlib, so that it shows the repr."""
+        # Rooms import only from earlier rooms, and drawing is a later one. It is called by its name
+        # at the moment when a notebook asks; nothing that uses a motion depends on it.
+        try:
+            drawing = importlib.import_module("mgs.report.picture")
+        except ModuleNotFoundError:
+            return None
         return drawing.picture_png(self)
 
     @property

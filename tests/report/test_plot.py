@@ -68,6 +68,15 @@ def test_the_picture_of_a_motion_is_its_strip(motion: Motion, tmp_path: Path):
     assert pixels(expected).shape[:2] == (round(height), round(width))
 
 
+def test_without_matplotlib_a_notebook_shows_the_repr_of_a_motion():
+    code = (
+        "import sys, mgs; sys.modules['matplotlib'] = None; "
+        "print(mgs.generate('melson', 'melson/bow')._repr_png_())"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stdout) == (0, "None\n"), done.stderr
+
+
 def test_looking_at_figures_neither_opens_pyplot_nor_chooses_a_backend(tmp_path: Path):
     code = (
         "import sys, mgs; m = mgs.generate('melson', 'melson/bow'); m._repr_png_(); "
