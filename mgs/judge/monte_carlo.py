@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import concurrent.futures
 import multiprocessing
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,22 +21,21 @@ from mgs.core.short_repr import short_repr
 from mgs.judge.motion_checks import Check
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
-from mgs.sim import EngineName, ServoName, Settings, replay
+from mgs.sim import EngineName, ServoName, Settings
 from mgs.sim.conditions import RANGES, Ranges, draw
+from mgs.sim.prepare import Prepared, prepare
+from mgs.sim.replay import replay_prepared
 
 Z_95 = 1.959964  # of the normal distribution
 LEAST_RATE = 0.95  # of draws that have to survive
 LEAST_FALLS = 3  # below, nothing is said of what they have in common
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Task:
     """What all draws of one motion have in common."""
 
-    engine: EngineName
-    servo: ServoName
-    feed_forward: bool | None
-    settings: Settings | None
+    prepared: Prepared
     ranges: Ranges
     seed: int
 
@@ -128,20 +128,12 @@ def monte_carlo(
     Raises:
         SimulationError: the engine is missing. A draw whose simulation diverges has not survived.
     """
-    task = Task(engine, servo, feed_forward, settings, RANGES[ranges], seed)
+    task = Task(prepare(motion, engine, settings, servo, feed_forward), RANGES[ranges], seed)
     done: list[Draw] = []
-    if workers == 1:
-        for number in range(n):
-            done.append(_one(motion, task, number))
-            _tell(progress, len(done), n)
-    else:
-        context = multiprocessing.get_context("spawn")  # engines do not survive a fork
-        with concurrent.futures.ProcessPoolExecutor(
-            workers, context, initializer=_adopt, initargs=(motion, task)
-        ) as pool:
-            for draw in pool.map(_one_of_adopted, range(n)):
-                done.append(draw)
-                _tell(progress, len(done), n)
+    for found in _draws(task, n, workers):
+        done.append(found)
+        if progress is not None:
+            progress(len(done), n)
     return Robustness(engine, servo, ranges, seed, tuple(done))
 
 
@@ -197,30 +189,36 @@ def offenders(draws: tuple[Draw, ...]) -> list[dict[str, object]]:
     return sorted(found, key=lambda f: -abs(float(str(f["probability"])) - 0.5))
 
 
-_adopted: list[tuple[Motion, Task]] = []  # of a worker process, which is sent them once
+def _draws(task: Task, n: int, workers: int) -> Iterator[Draw]:
+    """The first n draws of a task in their order."""
+    if workers == 1:
+        yield from (_one(task, number) for number in range(n))
+        return
+    context = multiprocessing.get_context("spawn")  # engines do not survive a fork
+    with concurrent.futures.ProcessPoolExecutor(
+        workers, context, initializer=_adopt, initargs=(task,)
+    ) as pool:
+        yield from pool.map(_one_of_adopted, range(n))
 
 
-def _adopt(motion: Motion, task: Task) -> None:
-    _adopted[:] = [(motion, task)]
+_adopted: list[Task] = []  # the task of a worker process, which is sent it once
+
+
+def _adopt(task: Task) -> None:
+    _adopted[:] = [task]
 
 
 def _one_of_adopted(number: int) -> Draw:
-    return _one(*_adopted[0], number)
+    return _one(_adopted[0], number)
 
 
-def _one(motion: Motion, task: Task, number: int) -> Draw:
-    engine, servo = task.engine, task.servo
-    conditions = draw(motion, task.ranges, task.seed, number)
-    figures = conditions.figures(servo)
+def _one(task: Task, number: int) -> Draw:
+    prepared = task.prepared
+    engine = prepared.engine
+    conditions = draw(prepared.motion, task.ranges, task.seed, number)
+    figures = conditions.figures(prepared.servo)
     try:
-        result = replay(
-            motion,
-            engine,
-            task.settings,
-            servo=servo,
-            feed_forward=task.feed_forward,
-            conditions=conditions,
-        )
+        result = replay_prepared(prepared, conditions)
     except DivergenceError:
         return Draw(number, engine, False, (f"{engine}_diverged",), None, 180.0, figures)
     return Draw(
@@ -232,8 +230,3 @@ def _one(motion: Motion, task: Task, number: int) -> Draw:
         max_tilt_deg=result.max_tilt_deg,
         figures=figures,
     )
-
-
-def _tell(progress: Progress | None, done: int, n: int) -> None:
-    if progress is not None:
-        progress(done, n)

@@ -17,8 +17,8 @@ import numpy as np
 from mgs.judge.html import verdict_table
 from mgs.judge.motion_checks import Check
 from mgs.sim import Agreement, EngineName, Replay, ServoName, Strike, agreement
-from mgs.sim.playback import FALL_TILT
-from mgs.sim.replay import STANDING_LOAD, STANDING_TILT_DEG
+from mgs.sim.figures import STANDING_LOAD, STANDING_TILT_DEG
+from mgs.sim.poses import FALL_TILT
 
 POSITION_RATIO, POSITION_FLOOR = 0.10, 0.020  # of the distance; [m]
 YAW_LIMIT_DEG = 5.0

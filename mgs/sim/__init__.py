@@ -4,7 +4,8 @@ from mgs.core.progress import Progress
 from mgs.sim.agreement import Agreement, agreement
 from mgs.sim.choice import check_servos, choose_engines, choose_servos, engine_settings
 from mgs.sim.engine import available_engines
-from mgs.sim.replay import Replay, Trace, replay
+from mgs.sim.figures import Trace
+from mgs.sim.replay import Replay, replay
 from mgs.sim.settings import DEFAULTS, ENGINES, SERVOS, EngineName, ServoName, Settings
 from mgs.sim.strike import Strike
 

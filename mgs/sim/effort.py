@@ -40,13 +40,21 @@ class Effort:
         if saturated is None:
             saturated = magnitude >= SATURATED * self._stall
         if saturated.any():
-            for step, row in enumerate(saturated, start=self._n_steps + 1):
-                self._run = np.where(row, self._run + 1, 0)
-                self._end[self._run > self._longest] = step
-                self._longest = np.maximum(self._longest, self._run)
+            self._follow(saturated)
         else:
             self._run[:] = 0
         self._n_steps += len(torque)
+
+    def _follow(self, saturated: NDArray[np.bool_]) -> None:
+        """Go on with the times in a row at the limit through steps (k, n)."""
+        step = np.arange(1, len(saturated) + 1)[:, None]
+        free = np.maximum.accumulate(np.where(saturated, 0, step), axis=0)  # last one, 0: none
+        run = step - free + np.where(free == 0, self._run, 0)
+        longest, first = run.max(axis=0), run.argmax(axis=0)
+        longer = longest > self._longest
+        self._end[longer] = self._n_steps + 1 + first[longer]
+        self._longest[longer] = longest[longer]
+        self._run = run[-1]
 
     @property
     def rms(self) -> Array:

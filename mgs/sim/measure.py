@@ -77,8 +77,8 @@ def touchdowns(contacts: Array, support: NDArray[np.int8], dt: float) -> Touchdo
 
 
 def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and past-the-last index of every stretch of True in mask (M,)."""
-    return [(start, end) for start, end in spans(mask) if mask[start]]
+    """First and past-the-last index of every stretch of True in mask (M,), which may be empty."""
+    return [(start, end) for start, end in spans(mask) if mask[start]] if len(mask) else []
 
 
 def travel(soles: Array) -> Array:

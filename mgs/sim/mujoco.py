@@ -13,6 +13,7 @@ from mgs.core.scene import BALL_FRICTION, EMPTY, Scene
 from mgs.robot import Robot
 from mgs.sim.audit import EngineModel
 from mgs.sim.conditions import Conditions, bumps, gravity_on_slope
+from mgs.sim.far_shapes import FarShapes
 from mgs.sim.model import link_name, simulation_urdf
 from mgs.sim.mujoco_servos import add_servos, pd_torques, set_damping
 from mgs.sim.servo import Driven, JointState
@@ -20,6 +21,7 @@ from mgs.sim.settings import ServoName, Settings
 
 XYZW_FROM_WXYZ = [1, 2, 3, 0]
 WXYZ_FROM_XYZW = [3, 0, 1, 2]
+THREE, SIDES = np.arange(3), np.arange(2)
 IMPRATIO = 10.0  # friction this much stiffer than the normal contact: soles do not creep
 CONTACT_TIME = 0.005  # [s] of MuJoCo's contact spring; 0.02 by default lets the robot tilt
 
@@ -51,11 +53,15 @@ class MujocoEngine:
         self._bodies = [
             self._model.body(link_name(robot, joint)).id for joint in range(1, robot.model.njoints)
         ]
+        self._xyz_xyzw_joints = np.array([0, 1, 2, 4, 5, 6, 3, *self._angles])
+        self._warnings = self._data.warning
         self._hands = [robot.model.frames[frame] for frame in robot.hand_frames]
         feet = [robot.model.frames[frame].parentJoint for frame in robot.sole_frames]
         side_of_body = {self._bodies[joint - 1]: side for side, joint in enumerate(feet)}
-        self._side_of_geom = [side_of_body.get(body, -1) for body in self._model.geom_bodyid]
-        self._is_ground = (self._model.geom_bodyid == 0).tolist()  # the floor and its boxes
+        body_of_geom = self._model.geom_bodyid
+        self._side_of_geom = np.array([side_of_body.get(body, -1) for body in body_of_geom])
+        self._is_ground = body_of_geom == 0  # the floor and its boxes
+        self._far_shapes = FarShapes(self._model, self._data, self._side_of_geom)
         self._balls = [self._model.joint(f"ball_{i}") for i in range(len(scene.balls))]
 
     @property
@@ -76,6 +82,7 @@ class MujocoEngine:
         """Make k steps of the engine's servos towards (k, n) joint states."""
         step, model, data = self._mj.mj_step, self._model, self._data
         ctrl, force = data.ctrl[: self._robot.n], data.actuator_force
+        self._far_shapes.leave_out(len(position) * self._settings.dt)
         forces = np.empty((len(position), model.nu))
         for target, row in zip(self._controls(position, velocity), forces, strict=True):
             ctrl[:] = target
@@ -120,24 +127,24 @@ class MujocoEngine:
 
     def read(self) -> Array:
         """Current q (7 + n,); NaN once the simulation has diverged."""
-        if self._data.warning.number.any():
+        if self._warnings.number.any():
             return np.full(self._robot.model.nq, np.nan)
-        qpos = self._data.qpos
-        return np.concatenate([qpos[:3], qpos[3:7][XYZW_FROM_WXYZ], qpos[self._angles]])
+        return np.asarray(self._data.qpos[self._xyz_xyzw_joints])
 
     def contacts(self) -> Array:
         """What the floor does to the soles (2, 5): forces [N], first moments [N m]."""
-        data, found, force = self._data, np.zeros((2, 5)), np.empty(6)
-        for i, pair in enumerate(data.contact.geom[: data.ncon].tolist()):
-            first, second = (self._side_of_geom[geom] for geom in pair)
-            side = max(first, second)
-            if side < 0 or not any(self._is_ground[geom] for geom in pair):
-                continue
-            self._mj.mj_contactForce(self._model, data, i, force)
-            on_second = force[:3] @ data.contact.frame[i].reshape(3, 3)
-            f = on_second if second == side else -on_second
-            found[side] += [*f, *(f[2] * data.contact.pos[i, :2])]
-        return found
+        contact = self._data.contact
+        first = contact.efc_address  # of its constraint forces, -1: none
+        if not len(first) or not len(self._data.efc_force):
+            return np.zeros((2, 5))
+        # with elliptic cones these are the forces along the axes of the contact's frame
+        axes = contact.frame.reshape(-1, 3, 3)
+        on_second = (self._data.efc_force[first[:, None] + THREE][:, None] @ axes)[:, 0]
+        sides, is_ground = self._side_of_geom[contact.geom], self._is_ground[contact.geom]
+        f = np.where(sides[:, 1:] >= 0, on_second, -on_second)
+        rows = np.concatenate([f, f[:, 2:] * contact.pos[:, :2]], axis=1)
+        counts = is_ground.any(axis=1) & (first >= 0)
+        return np.asarray(((sides.max(axis=1) == SIDES[:, None]) & counts) @ rows)
 
     def balls(self) -> Array:
         """Positions and velocities (b, 6) of the balls."""
@@ -151,7 +158,9 @@ class MujocoEngine:
     def inspect(self) -> EngineModel:
         """The robot as MuJoCo understands it."""
         model, data, mj = self._model, self._data, self._mj
-        mj.mj_forward(model, data)
+        mj.mj_kinematics(model, data)
+        mj.mj_comPos(model, data)
+        mj.mj_crb(model, data)
         hinges = [model.joint(name) for name in self._robot.joint_names]
         stall = {model.actuator(i).name: model.actuator_forcerange[i, 1] for i in range(model.nu)}
         quats = data.xquat[self._bodies][:, XYZW_FROM_WXYZ]

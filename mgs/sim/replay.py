@@ -19,48 +19,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mgs.core.arrays import Array
-from mgs.core.constants import FLOATING_BASE_NQ, GRAVITY
-from mgs.core.errors import SimulationError
-from mgs.core.geometry import wrap_angle
 from mgs.core.progress import Progress
-from mgs.core.short_repr import short_repr
 from mgs.motion import Motion
-from mgs.motion.servo_commands import Commands, servo_commands
 from mgs.motion_file import read_motion
 from mgs.sim.choice import choose_engines
 from mgs.sim.conditions import Conditions, disturbed
-from mgs.sim.engine import make_engine, require
-from mgs.sim.measure import angle_between, largest_slip, travel
-from mgs.sim.playback import Recording, fallen, play, poses_along
+from mgs.sim.engine import make_engine
+from mgs.sim.figures import Trace, figures_of
+from mgs.sim.playback import play
+from mgs.sim.prepare import Prepared, prepare
 from mgs.sim.servo import servo_figures
-from mgs.sim.settings import DEFAULTS, OWN_SERVOS, SERVOS, EngineName, ServoName, Settings
-from mgs.sim.strike import Strike, measure_strike
-
-STANDING_TIME = 0.3  # [s] at the end of a motion without balance
-STANDING_TILT_DEG = 10.0
-STANDING_LOAD = 0.2  # of the weight, on each sole
-
-
-@dataclass(frozen=True, eq=False)
-class Trace:
-    """What happened at the M samples of the motion and its tail, from the settled start on.
-
-    World frame, SI units. M is smaller than planned if the robot fell.
-    """
-
-    t: Array  # (M,) motion time
-    plan: NDArray[np.intp]  # (M,) sample of the motion; the last one stays during the tail
-    q: Array  # (M, 7 + n) base position, base quaternion xyzw, joint angles
-    torque: Array  # (M, n) of the servos, mean over the sampling period before
-    soles: Array  # (M, 2, 7) x, y, z, quaternion xyzw
-    contacts: Array  # (M, 2, 5) of the soles: force x, y, z [N], first moments x, y [N m]
-    balls: Array  # (M, b, 6) positions and velocities of the balls of the scene
-    tilt: Array  # (M,) of the torso against the plan [rad]
-
-    __repr__ = short_repr
+from mgs.sim.settings import OWN_SERVOS, EngineName, ServoName, Settings
+from mgs.sim.strike import Strike
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,18 +120,27 @@ def replay(
         TypeError: `motion` is of another type.
     """
     motion = read_motion(motion)
-    started = time.perf_counter()
     engine = engine or choose_engines(None)[0]
-    require(engine)
-    if servo not in SERVOS:
-        raise SimulationError(f"no servo {servo!r}; there are: {', '.join(SERVOS)}")
-    settings = _divide(settings or DEFAULTS[engine], motion.dt)
-    feed_forward = servo == "model" if feed_forward is None else feed_forward
-    commands = None
-    if feed_forward:
-        assumed = servo_figures(motion.robot, servo, settings, assumed_stiffness)
-        commands = servo_commands(motion, servos=assumed)
-    robot = motion.robot
+    prepared = prepare(motion, engine, settings, servo, feed_forward, assumed_stiffness)
+    return replay_prepared(prepared, conditions, progress)
+
+
+def replay_prepared(
+    prepared: Prepared, conditions: Conditions | None = None, progress: Progress | None = None
+) -> Replay:
+    """Execute a prepared motion under conditions; for many replays of the same motion.
+
+    Args:
+        prepared: the motion, its engine and its servos.
+        conditions: how robot, servos and floor differ from the plan's; None: not at all.
+        progress: called with samples done and samples in all.
+
+    Raises:
+        SimulationError: the engine has loaded another robot or diverged.
+    """
+    started = time.perf_counter()
+    motion, robot, settings = prepared.motion, prepared.motion.robot, prepared.settings
+    engine, servo = prepared.engine, prepared.servo
     if conditions is not None:
         robot, settings = disturbed(robot, conditions), _disturbed_settings(settings, conditions)
     servos = None
@@ -170,127 +150,32 @@ def replay(
     simulator = make_engine(engine, robot, settings, servo, conditions, motion.scene)
     try:
         version = simulator.version
-        recording = play(motion, simulator, settings, progress, servos, commands, conditions)
+        recording = play(prepared, simulator, servos, conditions, progress)
     finally:
         simulator.close()
-    figures = _figures(motion, recording)
-    wall_seconds = time.perf_counter() - started
+    figures = figures_of(motion, recording)
     return Replay(
         engine=engine,
         version=version,
         settings=settings,
         servo=servo,
-        feed_forward=feed_forward,
-        assumed_stiffness=assumed_stiffness,
-        wall_seconds=wall_seconds,
-        **_clip_figures(motion, commands),
+        feed_forward=prepared.feed_forward,
+        assumed_stiffness=prepared.assumed_stiffness,
+        wall_seconds=time.perf_counter() - started,
+        **_clip_figures(prepared),
         **figures,
     )
 
 
-def _clip_figures(motion: Motion, commands: Commands | None) -> dict[str, Any]:
-    clipped = np.zeros(motion.robot.n) if commands is None else commands.clipped
+def _clip_figures(prepared: Prepared) -> dict[str, Any]:
+    clipped, names = prepared.clipped, prepared.motion.robot.joint_names
     worst = int(clipped.argmax())
     return {
         "command_clipped_deg": float(np.degrees(clipped[worst])),
-        "command_clipped_joint": motion.robot.joint_names[worst] if clipped[worst] else None,
+        "command_clipped_joint": names[worst] if clipped[worst] else None,
     }
 
 
 def _disturbed_settings(settings: Settings, conditions: Conditions) -> Settings:
     sag = conditions.sag * settings.sag
     return dataclasses.replace(settings, friction=conditions.friction, sag=sag)
-
-
-def _divide(settings: Settings, period: float) -> Settings:
-    """Settings with the longest step that is no longer and divides the sampling period [s]."""
-    n_steps = max(1, int(np.ceil(period / settings.dt - 1e-9)))
-    return dataclasses.replace(settings, dt=period / n_steps)
-
-
-def _figures(motion: Motion, recording: Recording) -> dict[str, Any]:
-    q, q_plan = recording.q, motion.q[recording.plan]
-    soles, up = poses_along(motion.robot, q)
-    _, up_plan = poses_along(motion.robot, q_plan)
-    tilt = angle_between(up, up_plan)
-    last = slice(-max(1, round(STANDING_TIME / motion.dt)), None)
-    end_tilt = float(np.degrees(tilt[last].max()))
-    weight = GRAVITY * motion.robot.mass
-    end_load = float((recording.contacts[last, :, 2].mean(axis=0) / weight).min())
-    if motion.gait.is_balanced:
-        down = np.flatnonzero(fallen(up, up_plan, q[:, 2], q_plan[:, 2]))
-        fall = int(down[0]) if len(down) else None
-    else:
-        stands = end_tilt <= STANDING_TILT_DEG and end_load >= STANDING_LOAD
-        fall = None if stands else len(q) - 1
-    t = np.arange(len(q), dtype=np.float64) * motion.dt
-    return {
-        "is_balanced": motion.gait.is_balanced,
-        "end_tilt_deg": end_tilt,
-        "end_load": end_load,
-        "fell": fall is not None,
-        "fall_time": None if fall is None else float(t[fall]),
-        "settled_tilt_deg": float(np.degrees(tilt[0])),
-        "max_tilt_deg": float(np.degrees(tilt.max())),
-        "max_tilt_time": float(t[tilt.argmax()]),
-        "min_base_height": float(q[:, 2].min()),
-        "trace": Trace(
-            t,
-            recording.plan,
-            q,
-            recording.torque,
-            soles,
-            recording.contacts,
-            recording.balls,
-            tilt,
-        ),
-        "strikes": tuple(
-            measure_strike(ball, recording.balls[:, i], soles, motion.dt)
-            for i, ball in enumerate(motion.scene.balls)
-        ),
-        **_travel_figures(motion, soles),
-        **_joint_figures(q - q_plan),
-        **_effort_figures(motion, recording),
-        **_slip_figures(soles[:fall], motion.support[recording.plan[:fall]], motion.dt),
-    }
-
-
-def _travel_figures(motion: Motion, soles: Array) -> dict[str, Any]:
-    """Displacements over the whole plan, even if the replay ended early."""
-    done, planned = travel(soles), travel(motion.soles)
-    return {
-        "distance": (float(done[0]), float(done[1])),
-        "planned_distance": (float(planned[0]), float(planned[1])),
-        "position_error": float(np.linalg.norm(done[:2] - planned[:2])),
-        "yaw_error_deg": float(np.degrees(wrap_angle(done[2] - planned[2]))),
-    }
-
-
-def _joint_figures(difference: Array) -> dict[str, Any]:
-    errors_deg = np.degrees(difference[:, FLOATING_BASE_NQ:])
-    return {
-        "joint_error_rms_deg": float(np.sqrt(np.square(errors_deg).mean())),
-        "joint_error_max_deg": float(np.abs(errors_deg).max()),
-    }
-
-
-def _effort_figures(motion: Motion, recording: Recording) -> dict[str, Any]:
-    names, effort = motion.robot.joint_names, recording.effort
-    worst = int(effort.saturation.argmax())
-    saturation = float(effort.saturation[worst])
-    return {
-        "torque_saturation": saturation,
-        "torque_saturation_joint": names[worst] if saturation > 0.0 else None,
-        "torque_saturation_time": float(effort.saturation_end[worst]) if saturation > 0.0 else None,
-        "torque_rms": dict(zip(names, effort.rms.tolist(), strict=True)),
-        "torque_peak": dict(zip(names, effort.peak.tolist(), strict=True)),
-    }
-
-
-def _slip_figures(soles: Array, support: NDArray[np.int8], dt: float) -> dict[str, Any]:
-    slip = largest_slip(soles, support, dt)
-    return {
-        "sole_slip_max": slip.distance,
-        "sole_slip_side": None if slip.side is None else slip.side.label,
-        "sole_slip_time": None if slip.sample is None else slip.sample * dt,
-    }

@@ -7,7 +7,8 @@ import pinocchio as pin
 import pytest
 
 from mgs.core.geometry import sole_corners
-from mgs.sim.playback import Targets, fallen, on_ground, poses_along
+from mgs.sim.poses import fallen, on_ground, poses_along
+from mgs.sim.targets import Targets
 from tests.support.motions import DT, motion_of, standing
 
 
