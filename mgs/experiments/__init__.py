@@ -1,7 +1,7 @@
-"""The papers' experiments and our own studies, as runnable code.
+"""Experiments of three papers and a study of the ZMP preview control, as runnable code.
 
-One package each: `solve` makes every run, `all_claims` holds them against what is claimed,
-`figures` draws them.
+Each experiment is a package: `solve` makes all runs, `all_claims` compares them with the claims,
+and `figures` draws them.
 """
 
 from __future__ import annotations
@@ -20,24 +20,26 @@ NAMES = ("melson", "faraji", "mistry", "preview")
 def run(
     name: str, folder: Path | None = None, progress: Progress | None = None, *, force: bool = True
 ) -> list[Claim]:
-    """Run one experiment; figures go into `folder` if one is given.
+    """Run one experiment, and write its figures if a folder is given.
 
     Args:
-        name: one of NAMES.
-        folder: made if missing.
-        progress: called with runs done and runs in all.
+        name: name of the experiment, one of NAMES.
+        folder: folder for the figures, created if missing; None: no figures.
+        progress: function that is called with the number of finished runs and of all runs.
         force: replace existing figures.
 
     Raises:
-        OutputExistsError: a figure is in the way and `force` is not set.
+        OutputExistsError: a figure exists already and `force` is False.
     """
     package = importlib.import_module(f"mgs.experiments.{name}")
     if folder is None:
         return list(package.all_claims(package.solve(progress)))
-    from mgs.report.canvas import figure_paths  # matplotlib is slow to import
+    from mgs.report.canvas import (
+        figure_paths,
+    )  # imported here, because matplotlib is slow to import
 
     figures = importlib.import_module(f"mgs.experiments.{name}.figures")
-    figure_paths(folder, figures.NAMES, "png", force=force)  # before the work
+    figure_paths(folder, figures.NAMES, "png", force=force)  # raises before the work starts
     study = package.solve(progress)
     figures.write_figures(study, folder, force=force)
     return list(package.all_claims(study))

@@ -1,4 +1,4 @@
-"""What an experiment found."""
+"""Result of an experiment: a claim and whether it holds."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from typing import Literal
 
 @dataclass(frozen=True)
 class Claim:
-    """One statement and whether the figures bear it out.
+    """One claim and whether the measured values support it.
 
     Attributes:
-        id: short name, stable, for scripts.
-        claim: what is claimed.
-        figure: what was found, as it is printed.
-        holds: whether the claim does.
-        note: window, method, and the reason where a claim does not hold.
-        values: the numbers behind `figure`.
+        id: short and stable name, for scripts.
+        claim: text of the claim.
+        figure: measured value, as it is printed.
+        holds: True, False, or "not applicable".
+        note: time window and method; the reason, if the claim does not hold.
+        values: numbers from which `figure` was made.
     """
 
     id: str
@@ -27,11 +27,11 @@ class Claim:
     values: dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if not isinstance(self.holds, bool | str):  # numpy's are no JSON
+        if not isinstance(self.holds, bool | str):  # NumPy booleans cannot be written as JSON
             raise TypeError(f"{self.id}: holds is {type(self.holds).__name__}")
 
     def to_dict(self) -> dict[str, object]:
-        """The claim as plain data."""
+        """Convert the claim to plain data."""
         return {
             "id": self.id,
             "claim": self.claim,

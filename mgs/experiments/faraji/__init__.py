@@ -1,12 +1,15 @@
-"""The experiments of Faraji and Ijspeert on COMAN's legs: tasks A to H, methods ik1 to ik5.
+"""Experiments of Faraji and Ijspeert on the legs of COMAN: tasks A to H, methods ik1 to ik5.
 
-"Singularity-tolerant inverse kinematics for bipedal robots", section 3, and task H of the two-page
-abstract. Both feet fixed, the CoM soft; parameters as in its Table I:
+S. Faraji and A. J. Ijspeert, "Singularity-tolerant inverse kinematics for bipedal robots: An
+efficient use of computational power to reduce energy consumption", IEEE Robotics and Automation
+Letters, 2017, section III; task H is from the two-page abstract by the same authors, "A
+singularity-tolerant inverse kinematics including joint position and velocity limitations". Both
+feet are fixed, the CoM is a soft task; the parameters are those of Table I:
 
     Q = I, R = 1e-2 I, gamma = 10, n = 15 (and 3), qdot_max = 4 rad/s, q_s = 0
 
-The gaits are those in gaits/coman_legs; amplitudes and periods, which the paper does not state, are
-ours. A claim that rests on the iteration limit of the paper's solver is not applicable here.
+The gaits are those in gaits/coman_legs. The paper does not state amplitudes and most periods; they
+are our choice. Claims that depend on the iteration limit of the solver SNOPT are not applicable.
 """
 
 from mgs.experiments.faraji.claims import all_claims

@@ -1,4 +1,4 @@
-"""Figures of the experiments of Faraji and Ijspeert, after figures 1 to 7 of the paper."""
+"""Figures of the experiments of Faraji and Ijspeert, similar to figures 1 to 7 of the paper."""
 
 from __future__ import annotations
 
@@ -47,18 +47,18 @@ NAMES = (
     "H_twist",
 )
 MM = 1e3
-LOOKS = {  # colour and line width; wide ones are seen where others run over them
+LOOKS = {  # colour and line width; wide lines stay visible below others
     "ik1": (ORANGE, 2.6),
     "ik2": (PURPLE, 1.4),
     "ik3": (SKY, 2.2),
     "ik4": (BLACK, 1.5),
     "ik5": (GREEN, 1.2),
 }
-SPEED_MAX = 4.0  # [rad/s]
+SPEED_MAX = 4.0  # [rad/s] range of the speed axis
 
 
 def write_figures(study: Study, folder: Path, *, force: bool) -> list[Path]:
-    """Draw everything into a folder."""
+    """Write all figures into a folder."""
     figures = {
         "A_squat": plot_squat(study),
         "B_heights_and_knees": plot_heights_and_knees(study, STRETCHED, (2.0, 5.0)),
@@ -82,7 +82,7 @@ def _line(run: Run, y: Array, method: str) -> Line:
 
 
 def plot_squat(study: Study) -> Figure:
-    """Task A: error, error of the derivative and time per solve."""
+    """Draw task A: CoM error, error of its derivative, and time per solve."""
     panels: list[Panel | None] = []
     rows = ("error [mm]", "derivative error [mm/s]")
     for row in rows:
@@ -109,7 +109,7 @@ def plot_squat(study: Study) -> Figure:
 
 
 def plot_heights_and_knees(study: Study, gait: str, span: tuple[float, float]) -> Figure:
-    """Tasks B and C: height of the CoM and knee angles, n = 15 and n = 3."""
+    """Draw tasks B and C: height of the CoM and knee angles, with n = 15 and n = 3."""
     left, right = study.joint("KneeSag")
     panels: list[Panel | None] = []
     heights, knees = [], []
@@ -136,7 +136,7 @@ def plot_heights_and_knees(study: Study, gait: str, span: tuple[float, float]) -
 
 
 def plot_torque(study: Study) -> Figure:
-    """Task B: torque of the left knee with and without gamma."""
+    """Draw task B: torque of the left knee with gamma = 10 and gamma = 0."""
     knee = study.joint("KneeSag")[0]
     torques, angles = [], []
     for label, variant, colour in (("gamma 10", "", BLACK), ("gamma 0", "gamma 0", VERMILION)):
@@ -154,7 +154,7 @@ def plot_torque(study: Study) -> Figure:
 
 
 def plot_lean(study: Study) -> Figure:
-    """Task D: hip and knee of ik2 and ik4."""
+    """Draw task D: hip and knee angles of ik2 and ik4."""
     panels: list[Panel | None] = []
     for name, joint in (("hip pitch", "HipSag"), ("knee", "KneeSag")):
         j = study.joint(joint)[0]
@@ -169,7 +169,7 @@ def plot_lean(study: Study) -> Figure:
 
 
 def plot_phase_plane(study: Study) -> Figure:
-    """Tasks E and F: the left knee over position and speed, with the safety region."""
+    """Draw tasks E and F: speed of the left knee over its angle, with the safety region."""
     j = study.joint("KneeSag")[0]
     low, high = study.robot.lower[j], study.robot.upper[j]
     turn = np.linspace(0.0, 2.0 * np.pi, 400)
@@ -191,11 +191,11 @@ def plot_phase_plane(study: Study) -> Figure:
 
 
 def plot_power(study: Study) -> Figure:
-    """Task G: both proxies over the height asked for."""
+    """Draw task G: both measures of power over the CoM height reference."""
     quiet = np.array(power(study[Key(SWAY, "ik4", FEW, "quiet")]))
     values = np.array([power(study[Key(SWAY, "ik4", FEW, f"{h:g}")]) for h in CROUCHES]) - quiet
     x = MM * np.array(CROUCHES)
-    xlabel = "CoM height asked for, from z_max [mm]"
+    xlabel = "CoM height reference relative to z_max [mm]"
     return draw_panels(
         [
             Panel(
@@ -207,7 +207,7 @@ def plot_power(study: Study) -> Figure:
             for i, (title, unit) in enumerate(
                 (
                     ("sway with twist: sum |tau qdot|", "mean [W]"),
-                    ("sum tau^2, less quiet stretched stance", "mean [(N m)^2]"),
+                    ("sum tau^2; standing still subtracted", "mean [(N m)^2]"),
                 )
             )
         ],
@@ -217,7 +217,7 @@ def plot_power(study: Study) -> Figure:
 
 
 def plot_twist(study: Study) -> Figure:
-    """Task H: both knees."""
+    """Draw task H: angles of both knees."""
     panels: list[Panel | None] = []
     for i, side in enumerate(("left", "right")):
         j = study.joint("KneeSag")[i]
@@ -225,6 +225,6 @@ def plot_twist(study: Study) -> Figure:
         for method in ("ik1", "ik3", "ik4"):
             run = study[Key(TWIST, method)]
             lines.append(_line(run, np.degrees(run.joints[run.window, j]), method))
-        title = "torso turning +- 45 deg, CoM asked above reach" if i == 0 else ""
+        title = "torso yaw +- 45 deg, CoM reference above reach" if i == 0 else ""
         panels.append(Panel(tuple(lines), f"{side} knee [deg]", title, ylim=(-BENT_DEG, BENT_DEG)))
     return draw_panels(panels, height=2.2)

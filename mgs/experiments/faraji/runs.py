@@ -1,4 +1,4 @@
-"""Runs of the experiments of Faraji and Ijspeert, and what is measured on them; see the package."""
+"""Runs of the experiments of Faraji and Ijspeert, and measurements on them; see the package."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, load_robot
 
 ROBOT = "coman_legs"
-ITERATED = ("ik2", "ik4", "ik5")  # the methods that n means something for
+ITERATED = ("ik2", "ik4", "ik5")  # methods with n iterations
 BOUNDED = ("ik3", "ik4", "ik5")
-MANY, FEW = 15, 3  # iterations n
+MANY, FEW = 15, 3  # numbers of iterations n
 SQUAT, STRETCHED, TILTING, LEAN = "squat", "squat_stretched", "squat_tilting", "lean"
 SWAY, TWIST = "sway_twist", "twist"
 Z_MAX = 0.5497  # [m] height of the CoM with straight legs
-# Heights and channels of tasks A, B and C as the paper has them. The gaits that ship squat less
-# deep and more slowly: the paper's ask for more than the knees' continuous torque.
+# Heights and channels of tasks A, B and C; the paper states only the frequency of task A. The
+# shipped gaits squat less deep and more slowly: these squats exceed the continuous knee torque.
 _SINE = "{task: com_z, wave: sine, amplitude: 0.05, frequency: 1.0}"
 _TILT = (
     "{task: torso_roll, wave: sine, amplitude: 0.1745, frequency: 0.5}, "
@@ -42,25 +42,25 @@ CROUCHES = (
     -0.08,
     -0.1,
     -0.13,
-)  # [m] from Z_MAX; the first is out of reach
-SLOWER = 10  # times, for a motion that lags behind nothing
-FINE_DT = 0.002  # [s] of task A
-BENT_DEG = 15.0  # at which a knee counts as having left the stretched posture
-WELL_BENT_DEG = 30.0  # beyond it, it is on its way back to the reference
+)  # [m] relative to Z_MAX; the first one is out of reach
+SLOWER = 10  # factor of slowing down, for a motion without lag
+FINE_DT = 0.002  # [s] sampling period of task A
+BENT_DEG = 15.0  # [deg] knee angle from which on the knee has left the stretched posture
+WELL_BENT_DEG = 30.0  # [deg] knee angle from which on the knee returns to its reference
 
 
 @dataclass(frozen=True)
 class Key:
-    """One run: a gait, a method and its iterations, and what else is set."""
+    """Identification of one run: gait, method, iterations and variant."""
 
     gait: str
     method: str
     n: int = MANY
-    variant: str = ""  # one of VARIANTS, or a height for SWAY
+    variant: str = ""  # key of VARIANTS, or a height for SWAY
 
     @property
     def label(self) -> str:
-        """Method and, where it counts, iterations."""
+        """Method, with its iterations if it is iterated."""
         return f"{self.method}, n = {self.n}" if self.method in ITERATED else self.method
 
 
@@ -73,12 +73,15 @@ VARIANTS = {
     "slow": ("dt=0.1", "balance.duration=110.0", "balance.rest=5.0", "balance.ease=10.0"),
     "quiet": (),
 }
-SIMULATED = ("ik.faraji.margin=0", "ik.faraji.speed_max=4.0")  # Table I; SWAY is as on the robot
+SIMULATED = (
+    "ik.faraji.margin=0",
+    "ik.faraji.speed_max=4.0",
+)  # Table I, simulation; SWAY uses the values for the robot
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """A run and the samples in which its channels have their full amplitude."""
+    """Run with the samples in which its channels have their full amplitude."""
 
     stages: Stages
     window: slice
@@ -104,12 +107,12 @@ class Run:
         return self.stages.seconds["ik_solver"] / len(self.joints)
 
     def com_error(self) -> Array:
-        """Reached minus asked (m, 3) in the window [m]."""
+        """CoM minus its reference (m, 3) in the window [m]."""
         motion = self.stages.motion
         return (motion.com - motion.com_ref)[self.window]
 
     def com_velocity_error(self) -> Array:
-        """Reached minus asked (m - 1, 3), from sample to sample [m/s]."""
+        """CoM velocity minus its reference (m - 1, 3), from sample to sample [m/s]."""
         return np.diff(self.com_error(), axis=0) / self.dt
 
     def speeds(self) -> Array:
@@ -117,33 +120,33 @@ class Run:
         return np.diff(self.joints[self.window], axis=0) / self.dt
 
     def accelerations(self) -> Array:
-        """Second differences (m - 2, n) in the window [rad/s^2]."""
+        """Joint accelerations (m - 2, n) in the window, from second differences [rad/s^2]."""
         return np.diff(self.joints[self.window], 2, axis=0) / self.dt**2
 
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """All runs."""
+    """All runs of the experiment."""
 
     robot: Robot
     runs: dict[Key, Run]
 
     def __getitem__(self, key: Key) -> Run:
-        """One run."""
+        """Run with this key."""
         return self.runs[key]
 
     def joint(self, name: str) -> list[int]:
-        """Indices of the left and the right joint of a name such as KneeSag."""
+        """Indices of the left and the right joint with a name such as KneeSag."""
         return [self.robot.joint_names.index(side + name) for side in "LR"]
 
 
 def methods(names: Iterable[str] = ("ik1", "ik2", "ik3", "ik4", "ik5")) -> list[tuple[str, int]]:
-    """Methods and their iterations, each once with MANY and, where it matters, with FEW."""
+    """All methods with MANY iterations, and iterated methods also with FEW iterations."""
     return [(name, n) for name in names for n in (MANY, FEW) if n == MANY or name in ITERATED]
 
 
 def all_keys() -> list[Key]:
-    """Every run, in the order of the tasks."""
+    """Keys of all runs, in the order of the tasks."""
     keys = [Key(SQUAT, m, n, variant) for variant in ("fine", "") for m, n in methods()]
     keys += [Key(gait, m, n) for gait in (STRETCHED, TILTING, LEAN, TWIST) for m, n in methods()]
     keys += [Key(LEAN, "ik4", MANY, "equal weights"), Key(LEAN, "ik2", MANY, "equal weights")]
@@ -154,7 +157,7 @@ def all_keys() -> list[Key]:
 
 
 def solve(progress: Progress | None = None) -> Study:
-    """Generate every run."""
+    """Generate all runs."""
     robot = load_robot(ROBOT)
     runs: dict[Key, Run] = {}
     keys = all_keys()
@@ -166,7 +169,7 @@ def solve(progress: Progress | None = None) -> Study:
 
 
 def run_one(robot: Robot, key: Key) -> Run:
-    """Generate one run; what is missed is recorded, not refused."""
+    """Generate one run; missed tasks are recorded instead of refused."""
     gait = gait_of(key)
     stages = run_stages(robot, gait, f"{ROBOT}/{key.gait}")
     ends = gait.balance.rest + gait.balance.ease
@@ -175,7 +178,7 @@ def run_one(robot: Robot, key: Key) -> Run:
 
 
 def gait_of(key: Key) -> BalanceGait:
-    """Gait of a run."""
+    """Gait of the run with a key."""
     settings = [
         *PAPER.get(key.gait, ()),
         f"ik.solver={key.method}",
@@ -195,7 +198,7 @@ def gait_of(key: Key) -> BalanceGait:
 
 
 def _rescaled(gait: BalanceGait, factor: float) -> BalanceGait:
-    """The same channels slower by a factor, or nothing but the height for a factor of 0."""
+    """Channels slowed down by a factor; for a factor of 0 only the height remains."""
     channels = []
     for channel in gait.balance.channels:
         field = "frequency" if factor else "amplitude"
@@ -206,7 +209,7 @@ def _rescaled(gait: BalanceGait, factor: float) -> BalanceGait:
 
 
 def region_excess(study: Study, run: Run) -> float:
-    """How far a run leaves limits or safety region, worst joint and sample; 0 or less: never."""
+    """Largest violation of joint limits [rad] or safety region [-]; 0 or less if there is none."""
     gait = run.stages.gait
     tuning = gait.ik.faraji
     robot, joints = study.robot, run.joints
@@ -218,22 +221,22 @@ def region_excess(study: Study, run: Run) -> float:
 
 
 def limit_excess_deg(run: Run, robot: Robot, joints: list[int]) -> float:
-    """How far these joints leave their ranges in the window [deg]; negative: the least room."""
+    """Largest violation of the limits of some joints [deg]; negative: least distance from them."""
     angles = run.joints[run.window][:, joints]
     excess = np.maximum(robot.lower[joints] - angles, angles - robot.upper[joints])
     return float(np.degrees(excess.max()))
 
 
 def hard_error(run: Run) -> float:
-    """Largest error of a hard row [m] or [rad], as the solver reports it."""
+    """Largest error of a hard row [m] or [rad], as reported by the solver."""
     return float(str(run.stages.joints.report["hard_error"]))
 
 
 def escape_delay(study: Study, run: Run, bent_deg: float = BENT_DEG) -> float:
-    """Mean time [s] that a knee comes late to an angle after having been stretched.
+    """Mean delay [s] with which a knee reaches an angle after it was stretched.
 
-    Late against the reference: an exact solution would be at that angle when the reference falls to
-    the height that the CoM has at that angle.
+    The delay is relative to the reference: an exact solution has this angle when the reference
+    falls to the CoM height that belongs to the angle.
     """
     knee = run.joints[:, study.joint("KneeSag")[0]]
     bent = np.deg2rad(bent_deg)
@@ -247,33 +250,33 @@ def escape_delay(study: Study, run: Run, bent_deg: float = BENT_DEG) -> float:
 
 
 def _height_of_knee(run: Run, knee: Array, angle: float) -> float:
-    """Height of the CoM [m] at which the knee has an angle, from the samples of the run itself."""
+    """CoM height [m] at which the knee has an angle, interpolated from the samples of the run."""
     z, angles = run.stages.motion.com[run.window, 2], knee[run.window]
     order = np.argsort(angles)
     return float(np.interp(angle, angles[order], z[order]))
 
 
 def rejoining_acceleration(study: Study, run: Run) -> float:
-    """Largest knee acceleration [rad/s^2] with the knee well bent, where the motion is rejoined."""
+    """Largest acceleration of a well-bent knee on its way back to the reference [rad/s^2]."""
     knees = study.joint("KneeSag")
     bent = run.joints[run.window][1:-1, knees] > np.deg2rad(WELL_BENT_DEG)
     return float(np.abs(run.accelerations()[:, knees][bent]).max())
 
 
 def knee_torque(study: Study, run: Run) -> float:
-    """Mean magnitude [N m] of the knees' torques in the window."""
+    """Mean magnitude [N m] of both knee torques in the window."""
     return float(np.abs(run.stages.motion.torque[run.window][:, study.joint("KneeSag")]).mean())
 
 
 def knee_difference_deg(study: Study, run: Run) -> float:
-    """Largest difference between the two knees in the window [deg]."""
+    """Largest difference between the two knee angles in the window [deg]."""
     left, right = study.joint("KneeSag")
     angles = run.joints[run.window]
     return float(np.degrees(np.abs(angles[:, left] - angles[:, right]).max()))
 
 
 def power(run: Run) -> tuple[float, float]:
-    """Means of sum |tau qdot| [W] and sum tau^2 [(N m)^2] in the window."""
+    """Mean values of sum |tau qdot| [W] and sum tau^2 [(N m)^2] in the window."""
     motion = run.stages.motion
     torque, speed = motion.torque[run.window], motion.v[run.window, 6:]
     return (

@@ -1,4 +1,4 @@
-"""What the Melson paper found, held against our runs; see the package."""
+"""Claims of the article on Melson, compared with our runs; see the package."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ from mgs.experiments.melson.runs import (
     tracking_errors,
 )
 
-COST_REDUCTION = 0.10  # of H_grav, at least
-DRIFT_ALLOWED_DEG, DRIFT_RATIO = 0.1, 10.0  # with gamma_joint 1; without it, in relation
-LAST_STRIDES = 5  # ten steps
-POSE_CHANGE_DEG = 1.0  # above it, two poses differ visibly
-POSITION_TOLERANCE, ROTATION_TOLERANCE_DEG = 1e-4, 0.01  # [m], [deg] within which a task is met
-SAME_TORQUE = 1e-3  # relative; below it torques count as equal
-# what the trajectories show where a claim on positions fails
+COST_REDUCTION = 0.10  # least relative reduction of H_grav
+DRIFT_ALLOWED_DEG, DRIFT_RATIO = 0.1, 10.0  # largest drift with gamma_joint 1; least ratio without
+LAST_STRIDES = 5  # number of strides at the end that are compared: ten steps
+POSE_CHANGE_DEG = 1.0  # [deg] difference of a joint above which two poses count as different
+POSITION_TOLERANCE, ROTATION_TOLERANCE_DEG = 1e-4, 0.01  # [m], [deg] of met tasks
+SAME_TORQUE = 1e-3  # relative difference below which torques count as equal
+# explanations of failed claims on positions, from the trajectories
 WHY_NOT = {
-    "hip_roll": "To lower the torque the null-space motion swings this joint through zero to the "
-    "other side, where its magnitude need not pass that of S1; it does so only afterwards, in "
-    "double support, on the way to its peak over the whole motion"
+    "hip_roll": "To reduce the torque, the null-space motion moves this joint through zero to the "
+    "other side, where its magnitude stays below that of S1; it exceeds S1 only afterwards, in "
+    "double support, on its way to the peak of the whole motion"
 }
 
 
 def all_claims(study: Study) -> list[Claim]:
-    """Every claim, in the order of the paper."""
+    """All claims, in the order of the article."""
     return [
         *task_claims(study),
         *torque_claims(study),
@@ -51,7 +51,7 @@ def all_claims(study: Study) -> list[Claim]:
 
 
 def task_claims(study: Study) -> list[Claim]:
-    """One task trajectory, met by every run."""
+    """Claims on the task trajectory: equal for all runs, and met by all runs."""
     runs = {**study.scenarios, **study.drift}
     groups = (list(study.scenarios.values()), list(study.drift.values()))
     same = all(is_same_task(group[0], other) for group in groups for other in group[1:])
@@ -62,14 +62,14 @@ def task_claims(study: Study) -> list[Claim]:
     return [
         Claim(
             "same_task",
-            "all runs of a walk are given one and the same task trajectory",
+            "all runs of a walk have the same task trajectory",
             "identical" if same else "different",
             same,
-            "soles, hands, CoM and their timing compared bit for bit",
+            "references of soles, hands and CoM are compared bit by bit",
         ),
         Claim(
             "task_met",
-            f"every run meets its task trajectory within {1e3 * POSITION_TOLERANCE:g} mm "
+            f"all runs meet their task trajectory within {1e3 * POSITION_TOLERANCE:g} mm "
             f"and {ROTATION_TOLERANCE_DEG:g} deg",
             f"{1e3 * worst:.4f} mm, {turn:.1e} deg",
             bool(worst < POSITION_TOLERANCE and turn < ROTATION_TOLERANCE_DEG and updates == 0),
@@ -80,12 +80,12 @@ def task_claims(study: Study) -> list[Claim]:
 
 
 def show(values: dict[str, float], unit: str, digits: int = 3) -> str:
-    """Values by scenario as they are printed."""
+    """Text of the values of the scenarios."""
     return ", ".join(f"{name} {value:.{digits}f}" for name, value in values.items()) + f" {unit}"
 
 
 def torque_claims(study: Study) -> list[Claim]:
-    """S3 lowers peak and RMS gravity torque of the left hip roll and knee."""
+    """Claims on the gravity torques of left hip roll and knee: lower in S3."""
     claims = []
     for joint in ("hip_roll", "knee_pitch"):
         series = torque_of(study, Side.LEFT, joint)
@@ -95,8 +95,9 @@ def torque_claims(study: Study) -> list[Claim]:
             note = f"{below['S1']:.1f} % below S1, {below['S2']:.1f} % below S2"
             if kind == "peak" and np.abs(series["S3"]).argmax() == 0:
                 note += (
-                    "; S3 peaks at the very first sample, when its gravity gain still rises from "
-                    "zero and the pose is the one that double support left behind"
+                    "; the peak of S3 is at the first sample of single support, when the gravity "
+                    "gain "
+                    "is still near zero and the posture results from the double support before"
                 )
             claims.append(
                 Claim(
@@ -113,7 +114,7 @@ def torque_claims(study: Study) -> list[Claim]:
 
 
 def cost_claim(study: Study) -> Claim:
-    """S3 lowers the mean of H_grav over single support."""
+    """Claim on the mean of H_grav over single support: lower in S3."""
     values = {name: float(np.nanmean(gravity_cost(t))) for name, t in study.torques.items()}
     below = {name: 1.0 - values["S3"] / values[name] for name in ("S1", "S2")}
     return Claim(
@@ -129,21 +130,21 @@ def cost_claim(study: Study) -> Claim:
 
 
 def position_claim(study: Study, joint: str, *, higher: bool) -> Claim:
-    """Whether S3 raises, or lowers, the position peak of a joint of the left leg."""
+    """Claim on the position peak of a joint of the left leg: higher, or lower, in S3."""
     window = single_support(study, Side.LEFT)
     angles = angle_of(study, joint)
     values = {name: peak(angle[window]) for name, angle in angles.items()}
     whole = {name: peak(angle) for name, angle in angles.items()}
     others = [values["S1"], values["S2"]]
     holds = values["S3"] > max(others) if higher else values["S3"] < min(others)
-    note = f"over the whole motion {show(whole, 'deg', 1)}"
+    note = f"peaks of the whole motion: {show(whole, 'deg', 1)}"
     if not holds:
         travels = {
             name: f"{name} from {angle[window][0]:.1f} through {angle[window].min():.1f} and "
             f"{angle[window].max():.1f} to {angle[window][-1]:.1f}"
             for name, angle in angles.items()
         }
-        note += f"; in the window [deg]: {'; '.join(travels.values())}"
+        note += f"; course in left single support [deg]: {'; '.join(travels.values())}"
         note += f". {WHY_NOT.get(joint, '')}"
     return Claim(
         f"left_{joint}_position_peak",
@@ -157,7 +158,7 @@ def position_claim(study: Study, joint: str, *, higher: bool) -> Claim:
 
 
 def ankle_torque_claim(study: Study) -> Claim:
-    """S3 cannot lower the torque of the ankle roll."""
+    """Claim on the gravity torque of the ankle roll: not reduced in S3."""
     values = {k: peak(v) for k, v in torque_of(study, Side.LEFT, "ankle_roll").items()}
     gap = abs(values["S3"] / min(values["S1"], values["S2"]) - 1.0)
     return Claim(
@@ -165,14 +166,15 @@ def ankle_torque_claim(study: Study) -> Claim:
         "gravity torque of the left ankle roll in left single support is not reduced in S3",
         show(values, "N m", 4),
         values["S3"] > (1.0 - SAME_TORQUE) * min(values["S1"], values["S2"]),
-        f"peaks differ by {gap:.0e} relatively: the axis is fixed to the support sole, so that the "
-        "torque follows from the CoM, which is a task, and no null-space motion can change it",
+        f"relative difference of the peaks {gap:.0e}; the axis is fixed to the support sole, so "
+        "that "
+        "the CoM, which is a task, determines the torque, and no null-space motion can change it",
         values,
     )
 
 
 def other_joints(study: Study) -> list[Claim]:
-    """The joints on which nothing is claimed: a sum of squares may lower one and raise another."""
+    """Torques of joints without a claim, for information."""
     claims = []
     for side, joint in (
         (Side.LEFT, "hip_pitch"),
@@ -190,7 +192,8 @@ def other_joints(study: Study) -> list[Claim]:
                 "single support, for information",
                 f"peak {show(peaks, 'N m')}; RMS {show(means, 'N m')}",
                 "not applicable",
-                "H_grav adds the squares of all joints, so that a single joint may rise",
+                "H_grav is the sum over all joints, so that the torque of a single joint may "
+                "increase",
                 {
                     **{f"{name} peak": value for name, value in peaks.items()},
                     **{f"{name} rms": value for name, value in means.items()},
@@ -201,18 +204,19 @@ def other_joints(study: Study) -> list[Claim]:
 
 
 def drift_claims(study: Study) -> list[Claim]:
-    """Without a secondary task joints drift from step to step; gamma_joint 1 stops that."""
+    """Claims on joint drift: it occurs without a secondary task, and gamma_joint 1 stops it."""
     moved = {
         name: float(np.ptp(angle[-LAST_STRIDES - 1 :]))
         for name, angle in drift_series(study).items()
     }
     without, with_task = moved["gamma_joint 0"], moved["gamma_joint 1"]
     joint = DRIFT_JOINT.replace("_", " ")
-    how = "largest less smallest angle where a left single support begins, over the last ten steps"
+    how = "range of the angles at the starts of left single supports, over the last ten steps"
     return [
         Claim(
             "drift_stopped",
-            f"with gamma_joint 1 the {joint} moves less than {DRIFT_ALLOWED_DEG} deg over the last "
+            f"with gamma_joint 1 the {joint} drifts by less than {DRIFT_ALLOWED_DEG} deg over the "
+            "last "
             "ten of 30 steps",
             f"{with_task:.1e} deg",
             with_task < DRIFT_ALLOWED_DEG,
@@ -221,7 +225,7 @@ def drift_claims(study: Study) -> list[Claim]:
         ),
         Claim(
             "drift_without_task",
-            f"with gamma_joint 0 it moves at least {DRIFT_RATIO:g} times as far",
+            f"with gamma_joint 0 the {joint} drifts at least {DRIFT_RATIO:g} times as far",
             f"{without:.3f} deg, {without / with_task:.0f} times",
             without >= DRIFT_RATIO * with_task,
             how,
@@ -232,7 +236,7 @@ def drift_claims(study: Study) -> list[Claim]:
 
 
 def pose_claims(study: Study) -> list[Claim]:
-    """The pose after 30 steps depends on the gain, and is not the first one."""
+    """Claims on the pose after 30 steps: it depends on the gain and differs from the first pose."""
     ends = {name: np.degrees(s.joints.angles[[0, -1]]) for name, s in study.drift.items()}
     change = {name: peak(end[1] - end[0]) for name, end in ends.items()}
     moved = {
@@ -244,22 +248,24 @@ def pose_claims(study: Study) -> list[Claim]:
     return [
         Claim(
             "final_poses_differ",
-            f"the poses after 30 steps differ between the gains by more than {POSE_CHANGE_DEG:g} "
-            "deg in some joint",
+            "the poses after 30 steps with gamma_joint 0 and 1 differ by more than "
+            f"{POSE_CHANGE_DEG:g} deg in a joint",
             f"{peak(apart):.1f} deg, {joint}",
             peak(apart) > POSE_CHANGE_DEG,
-            "the first poses are equal",
+            "the first poses of both runs are equal",
         ),
         Claim(
             "final_pose_moved",
             "with gamma_joint 0 the last pose differs from the first by more than "
-            f"{POSE_CHANGE_DEG:g} deg in some joint",
+            f"{POSE_CHANGE_DEG:g} deg in a joint",
             f"{change['gamma_joint 0']:.1f} deg",
             change["gamma_joint 0"] > POSE_CHANGE_DEG,
-            f"with gamma_joint 1 it is {change['gamma_joint 1']:.1f} deg, since the half-sitting "
-            "posture is not where H_joint is least; but there the robot settles: over the last ten "
-            f"steps no joint moves more than {moved['gamma_joint 1']:.0e} deg at equal phases, "
-            f"without the secondary task up to {moved['gamma_joint 0']:.1f} deg",
+            f"with gamma_joint 1 the difference is {change['gamma_joint 1']:.1f} deg, because the "
+            "half-sitting posture is not the minimum of H_joint. But then the posture settles: "
+            "over "
+            f"the last ten steps joints change by up to {moved['gamma_joint 1']:.0e} deg at equal "
+            "phases, "
+            f"with gamma_joint 0 by up to {moved['gamma_joint 0']:.1f} deg",
             change,
         ),
     ]

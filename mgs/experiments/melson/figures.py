@@ -1,4 +1,4 @@
-"""Figures of the Melson experiments, after figures 3 to 10 of the paper; see the package."""
+"""Figures of the Melson experiments, similar to figures 3 to 10 of the article."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ DRIFT_LOOKS = {"gamma_joint 0": (VERMILION, "-", "o"), "gamma_joint 1": (BLACK, 
 
 
 def write_figures(study: Study, folder: Path, *, force: bool) -> list[Path]:
-    """Draw everything into a folder."""
+    """Write all figures into a folder."""
     figures = {joint: plot_joint(study, joint) for joint in JOINTS}
     figures["scenario_poses"] = plot_scenario_poses(study)
     figures["drift"] = plot_drift(study)
@@ -30,7 +30,7 @@ def write_figures(study: Study, folder: Path, *, force: bool) -> list[Path]:
 
 
 def plot_joint(study: Study, joint: str) -> Figure:
-    """Gravity torque and angle of a joint of the left leg in the three scenarios."""
+    """Draw gravity torque and angle of a joint of the left leg in the three scenarios."""
     tasks = study.scenarios["S1"].tasks
     t = study.scenarios["S1"].motion.times
     shades = shade_single_support(t, tasks.support)
@@ -38,7 +38,7 @@ def plot_joint(study: Study, joint: str) -> Figure:
 
     def lines(series: dict[str, Array]) -> tuple[Line, ...]:
         return tuple(
-            Line(t, series[name], name, colour, width=width)  # seen where others run over it
+            Line(t, series[name], name, colour, width=width)  # wide lines stay visible below others
             for name, (colour, width) in LOOKS.items()
         )
 
@@ -53,7 +53,7 @@ def plot_joint(study: Study, joint: str) -> Figure:
 
 
 def plot_scenario_poses(study: Study) -> Figure:
-    """Each scenario halfway through either single support, from the side and from the front."""
+    """Draw each scenario in the middle of both single supports, from the side and the front."""
     support = study.scenarios["S1"].tasks.support
     poses = []
     for view in (RIGHT_SIDE, FRONT):
@@ -66,7 +66,7 @@ def plot_scenario_poses(study: Study) -> Figure:
 
 
 def plot_drift(study: Study) -> Figure:
-    """The drifting joint over the whole walk, and at equal phases of it."""
+    """Draw the drifting joint over the whole walk, and at equal phases of the steps."""
     i = study.robot.joint_names.index(DRIFT_JOINT)
     traces, samples = [], []
     for name, stages in study.drift.items():
@@ -86,9 +86,9 @@ def plot_drift(study: Study) -> Figure:
             Panel(
                 tuple(samples),
                 "angle [deg]",
-                f"{title} where a left single support begins",
-                note=f"gamma_joint 1 settles at {settled[-1]:.2f} deg; the first sample lies above",
-                xlabel="steps taken",
+                f"{title} at the start of left single supports",
+                note=f"gamma_joint 1 settles at {settled[-1]:.2f} deg; first sample outside the axes",
+                xlabel="number of steps",
                 ylim=(float(bounds.min()) - margin, float(bounds.max()) + margin),
             ),
         ],
@@ -97,7 +97,7 @@ def plot_drift(study: Study) -> Figure:
 
 
 def plot_drift_poses(study: Study) -> Figure:
-    """First and last pose of the long walk for both gains, as in figure 9 of the paper."""
+    """Draw the first and the last pose of the long walk for both gains, as figure 9 does."""
     poses = [
         Pose(
             stages.motion.q[-1],

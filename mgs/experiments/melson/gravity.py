@@ -1,6 +1,7 @@
-"""Gravity torques of a robot that stands on one sole, along a motion.
+"""Gravity torques of a robot in single support along a motion.
 
-Melson paper, eq. (24): tau = -J_com^T M g in the tree rooted at the support sole. In double support
+Eq. (24) of "Inverse kinematics of a humanoid robot modelled as a tree-shaped manipulator":
+tau = -J_com^T M g in the tree rooted at the support sole. In double support
 the legs close a loop and the torques are not unique.
 """
 
@@ -29,5 +30,5 @@ def gravity_torques(robot: Robot, stages: Stages) -> Array:
 
 
 def gravity_cost(torques: Array) -> Array:
-    """H_grav = 1/2 tau^T tau, (N,) [(N m)^2], of torques (N, n); NaN where they are."""
+    """Cost H_grav = 1/2 tau^T tau, (N,) [(N m)^2], of torques (N, n) [N m]; NaN for NaN."""
     return np.asarray(0.5 * np.sum(torques**2, axis=1))

@@ -1,4 +1,4 @@
-"""The runs of the Melson experiments, and what is measured on them; see the package."""
+"""Runs of the Melson experiments, and measurements on them; see the package."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Study:
 
 
 def solve(progress: Progress | None = None) -> Study:
-    """Generate every run."""
+    """Generate all runs."""
     robot = load_robot("melson")
     jobs = [(WALK, name, gains) for name, gains in SCENARIOS.items()]
     jobs += [(LONG_WALK, name, gains) for name, gains in DRIFT_RUNS.items()]
@@ -44,8 +44,8 @@ def solve(progress: Progress | None = None) -> Study:
             f"ik.gamma_joint={gamma_joint}",
             f"ik.gamma_grav={gamma_grav}",
             "ik.iterations=0",
-            "com.passes=0",  # each would correct the CoM for its own joints: one task for all
-            "ik.double_support=off",  # this and the next as in the paper
+            "com.passes=0",  # the dynamic filter would change the CoM task of each run
+            "ik.double_support=off",  # this setting and the next one are those of the article
             "walk.zmp_offset=[0, 0]",
         )
         done[name] = run_stages(robot, load_gait(gait, settings), gait)
@@ -57,7 +57,7 @@ def solve(progress: Progress | None = None) -> Study:
 
 
 def is_same_task(a: Stages, b: Stages) -> bool:
-    """Whether two runs were asked for the same, bit for bit."""
+    """True if two runs have the same task trajectory, bit by bit."""
     products = ((a.tasks, b.tasks), (a.com, b.com))
     return all(
         np.array_equal(getattr(x, field.name), getattr(y, field.name))
@@ -67,9 +67,9 @@ def is_same_task(a: Stages, b: Stages) -> bool:
 
 
 def tracking_errors(stages: Stages) -> tuple[float, float]:
-    """Worst distance of soles, hands and CoM [m] and worst rotation of a sole [rad] from the tasks.
+    """Largest position error of soles, hands and CoM [m], largest rotation error of soles [rad].
 
-    Computed from the floating-base model, which the IK does not use.
+    The errors are computed with the floating-base model, which the solver does not use.
     """
     motion = stages.motion
     gaps = [
@@ -82,37 +82,37 @@ def tracking_errors(stages: Stages) -> tuple[float, float]:
 
 
 def single_support(study: Study, side: Side) -> NDArray[np.bool_]:
-    """Samples (N,) of the scenarios in single support on one side."""
+    """Mask (N,) of the samples of the scenarios in single support on one side."""
     return study.scenarios["S1"].tasks.support == Support.single(side)
 
 
 def peak(values: Array) -> float:
-    """Largest magnitude."""
+    """Largest magnitude of an array."""
     return float(np.abs(values).max())
 
 
 def rms(values: Array) -> float:
-    """Root of the mean square."""
+    """Root mean square of an array."""
     return float(np.sqrt(np.mean(values**2)))
 
 
 def torque_of(study: Study, side: Side, joint: str) -> dict[str, Array]:
-    """Gravity torque (m,) [N m] by scenario of a joint of the support leg in its single support."""
+    """Gravity torque (m,) [N m] of a support-leg joint in single support, by scenario."""
     i = study.robot.joint_names.index(f"{side.label}_{joint}")
     window = single_support(study, side)
     return {name: torques[window, i] for name, torques in study.torques.items()}
 
 
 def angle_of(study: Study, joint: str) -> dict[str, Array]:
-    """Angle (N,) [deg] by scenario of a joint of the left leg over the whole motion."""
+    """Angle (N,) [deg] of a joint of the left leg over the whole motion, by scenario."""
     i = study.robot.joint_names.index(f"left_{joint}")
     return {name: np.degrees(s.joints.angles[:, i]) for name, s in study.scenarios.items()}
 
 
 def stride_poses(stages: Stages) -> Array:
-    """Joint angles (n_steps / 2, n) [deg] wherever a left single support begins.
+    """Joint angles (n_steps / 2, n) [deg] at the starts of left single supports.
 
-    One sample every two steps, at equal phases of the walk.
+    There is one sample every two steps, at equal phases of the walk.
     """
     left = stages.tasks.support == Support.LEFT
     starts = np.flatnonzero(left[1:] & ~left[:-1]) + 1
@@ -120,6 +120,6 @@ def stride_poses(stages: Stages) -> Array:
 
 
 def drift_series(study: Study) -> dict[str, Array]:
-    """Angle (n_steps / 2,) [deg] by gain of the drifting joint, once every two steps."""
+    """Angle (n_steps / 2,) [deg] of the drifting joint once every two steps, by gain."""
     i = study.robot.joint_names.index(DRIFT_JOINT)
     return {name: stride_poses(stages)[:, i] for name, stages in study.drift.items()}

@@ -1,9 +1,10 @@
-"""The experiments of Mistry et al. on COMAN: CoG sway, and a hand's figure eight over it.
+"""Experiments of Mistry et al. on COMAN: sway of the CoG, and a figure eight of a hand.
 
 M. Mistry, J. Nakanishi, G. Cheng and S. Schaal, "Inverse kinematics with floating base and
-constraints for full body humanoid robot control", Humanoids 2008. Level A soles and horizontal CoM,
-B the hand, E torso and CoM height; gaits coman/sway and coman/hand_eight. The paper names
-constraint switching as future work: a walk of Melson shows it.
+constraints for full body humanoid robot control", IEEE-RAS Humanoids, 2008. CoG is the centre of
+gravity, elsewhere called CoM. Level A has soles and horizontal CoM, level B the hand, level E torso
+and CoM height; the gaits are coman/sway and coman/hand_eight. The paper names constraint switching
+as future work; here a walk of Melson shows it.
 """
 
 from mgs.experiments.mistry.claims import all_claims

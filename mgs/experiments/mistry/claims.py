@@ -1,4 +1,4 @@
-"""What Mistry et al. state and found, held against our runs; see the package."""
+"""Claims of Mistry et al., compared with our runs; see the package."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ from mgs.experiments.mistry.runs import (
 from mgs.ik_solver.floating.constraints import feasibility
 from mgs.ik_solver.floating.tasks import BodyTasks
 
-CRITICAL = 1e-4  # [m] and [rad]
-DRIFT = 1e-5
-HAND_MET = 1e-3  # [m]
-SINGULAR = 1e-3  # smallest singular value of J_A, rows in m and rad
+CRITICAL = 1e-4  # [m] and [rad] largest error of critical tasks
+DRIFT = 1e-5  # [m] and [rad] largest drift of the soles
+HAND_MET = 1e-3  # [m] largest error of a hand task that is met
+SINGULAR = 1e-3  # least singular value of a regular J_A, with rows in m and rad
 FORMS = [(s, n) for s in (VELOCITY, ACCELERATION) for n in (TRACKING, PROJECTED)]
 
 
 def all_claims(study: Study) -> list[Claim]:
-    """Every claim."""
+    """All claims of the experiment."""
     return [
         *sway_claims(study),
         *eight_claims(study),
@@ -49,7 +49,7 @@ def all_claims(study: Study) -> list[Claim]:
 
 
 def sway_claims(study: Study) -> list[Claim]:
-    """The CoG experiment."""
+    """Claims of the experiment on the CoG."""
     runs = {form: study[Key(SWAY, *form)] for form in FORMS}
     com = {form: horizontal_com_error(run) for form, run in runs.items()}
     drift = {form: sole_error(run) for form, run in runs.items()}
@@ -57,25 +57,27 @@ def sway_claims(study: Study) -> list[Claim]:
     return [
         Claim(
             "sway_com",
-            "the CoG follows a side-to-side sine with fore-aft fixed, within 0.1 mm throughout",
-            f"{1e6 * max(com.values()):.2f} um in the worst of both solvers and both forms",
+            "the CoG follows a lateral sine without fore-aft motion, with an error below 0.1 mm",
+            f"{1e6 * max(com.values()):.2f} um, the largest of both solvers and both forms",
             max(com.values()) <= CRITICAL,
-            "on the paper's robot it lagged, for moderate gains",
+            "on the robot of the paper the CoG lagged; the authors name moderate task-space gains "
+            "as a cause",
             {" ".join(form): value for form, value in com.items()},
         ),
         Claim(
             "sway_drift",
-            "feedback on the task error keeps the constraints within 1e-5 at dt 0.01",
+            "with feedback on the task error the drift of the constraints stays below 1e-5 at dt "
+            "0.01",
             f"soles within {max(drift.values()):.1e} m and rad",
             max(drift.values()) <= DRIFT,
-            f"without feedback, and brought back by a Newton step at 5e-5: {loose:.1e}",
+            f"without feedback, but with a Newton step at an error of 5e-5: {loose:.1e}",
             {" ".join(form): value for form, value in drift.items()} | {"no feedback": loose},
         ),
     ]
 
 
 def eight_claims(study: Study) -> list[Claim]:
-    """The hand experiment."""
+    """Claims of the experiment on the hand."""
     runs = {form: study[Key(EIGHT, *form)] for form in FORMS}
     critical = {form: max(horizontal_com_error(r), sole_error(r)) for form, r in runs.items()}
     hand = {form: float(hand_errors(run).max()) for form, run in runs.items()}
@@ -84,24 +86,26 @@ def eight_claims(study: Study) -> list[Claim]:
     return [
         Claim(
             "eight_critical",
-            "critical tasks are met within 1e-4 throughout, in either null-space form",
+            "critical tasks are met within 1e-4 in both null-space forms",
             f"{max(critical.values()):.1e} m and rad",
             max(critical.values()) <= CRITICAL,
             values={" ".join(form): value for form, value in critical.items()},
         ),
         Claim(
             "eight_projected",
-            "the hand, drawing in the null space by N_A J_B^+, errs more than the CoG",
+            "with N_A J_B^+ the error of the hand is larger than that of the CoG",
             f"hand {1e3 * projected:.1f} mm, CoG {1e3 * com:.1e} mm",
             projected > com and projected > HAND_MET,
-            "figure 60 mm wide; N_A takes away what J_B^+ had given to joints that the soles need. "
-            f"Acceleration form: {1e3 * hand[ACCELERATION, PROJECTED]:.1f} mm, since there the "
-            "feedback of what is missed adds up",
+            "the figure is 60 mm wide; N_A removes the part of J_B^+ that would move the soles. "
+            "In the "
+            f"acceleration form the error is {1e3 * hand[ACCELERATION, PROJECTED]:.1f} mm, "
+            "because the "
+            "feedback of the remaining error accumulates",
             {"hand": projected, "com": com},
         ),
         Claim(
             "eight_tracking",
-            "by (J_B N_A)^+ the hand is met within 1 mm",
+            "with (J_B N_A)^+ the error of the hand is below 1 mm",
             f"{1e3 * max(tracked):.3f} mm",
             max(tracked) <= HAND_MET,
             values={" ".join(form): value for form, value in hand.items()},
@@ -110,13 +114,13 @@ def eight_claims(study: Study) -> list[Claim]:
 
 
 def constraint_claims(study: Study) -> list[Claim]:
-    """When constraints determine the base."""
+    """Claims on constraints that determine the motion of the base."""
     robot = study.robot
     spec = robot.sole_spec(Side.LEFT)
     x, y = 0.5 * spec.length, 0.5 * spec.width
     heel = edge_rows(robot, Side.LEFT, [(-x, -y), (-x, y)])
     other = edge_rows(robot, Side.RIGHT, [(x, y), (-x, y)])
-    first = [heel[0], heel[1][[0, 2]]]  # a point, and a second one across the edge
+    first = [heel[0], heel[1][[0, 2]]]  # all rows of one point, two rows of the second point
     ranks = {
         "two edges": feasibility(np.concatenate([*first, other[0][2:]]))[1],
         "two edges in line": feasibility(np.concatenate([*first, other[1][2:]]))[1],
@@ -132,11 +136,11 @@ def constraint_claims(study: Study) -> list[Claim]:
     return [
         Claim(
             "edges",
-            "six constraint rows from two edges that are not collinear hold the base, one edge "
+            "six constraint rows of two edges that are not collinear determine the base, one edge "
             "does not",
             ", ".join(f"{name}: rank {rank} of 6" for name, rank in ranks.items()),
             ranks == {"two edges": 6, "two edges in line": 5, "one edge": 5},
-            "rank of J_C^b, COMAN on the heel of one sole and the toe or heel of the other",
+            "rank of J_C^b for COMAN on the heel of one sole and the toe or heel of the other",
         ),
         Claim(
             "straight_knees",
@@ -147,17 +151,18 @@ def constraint_claims(study: Study) -> list[Claim]:
         ),
         Claim(
             "eq_10",
-            "eq. (10) recovers the base velocity from the joint velocities",
-            f"{gaps[0]:.1e} m/s and rad/s at dt 0.01, {gaps[1]:.1e} at dt 0.001",
+            "eq. (10) gives the base velocity from the joint velocities",
+            f"error {gaps[0]:.1e} m/s and rad/s at dt 0.01, {gaps[1]:.1e} at dt 0.001",
             gaps[0] < 1e-3 and gaps[1] < 0.1 * gaps[0],
-            "along the sway; both velocities are differences of positions: the gap falls with dt",
+            "both velocities are finite differences along the sway, so that the error falls with "
+            "dt",
             {"dt 0.01": gaps[0], "dt 0.001": gaps[1]},
         ),
     ]
 
 
 def form_claims(study: Study) -> list[Claim]:
-    """The acceleration form beside the velocity form."""
+    """Claim on the acceleration form as compared with the velocity form."""
     gaps = [
         angle_gap(
             study[Key(SWAY, VELOCITY, TRACKING, variant)],
@@ -168,19 +173,19 @@ def form_claims(study: Study) -> list[Claim]:
     return [
         Claim(
             "acceleration",
-            "the acceleration form (18) gives the motion of the velocity form (16)",
-            f"joint angles {np.degrees(gaps[0]):.2f} deg apart at dt 0.01, "
+            "the acceleration form (18) gives the same motion as the velocity form (16)",
+            f"joint angles differ by {np.degrees(gaps[0]):.2f} deg at dt 0.01, "
             f"{np.degrees(gaps[1]):.2f} deg at dt 0.001",
             bool(max(gaps) < np.deg2rad(1.0)),
-            "tasks agree within micrometres; what differs is the motion that no task asks for, "
-            "a velocity in one form and an acceleration in the other",
+            "the tasks agree within micrometres; the undetermined joint motion differs, because it "
+            "has least velocity in one form and least acceleration in the other",
             {"dt 0.01": gaps[0], "dt 0.001": gaps[1]},
         )
     ]
 
 
 def walk_claims(study: Study) -> list[Claim]:
-    """Named future work: constraint switching in a walk."""
+    """Claims on constraint switching in a walk, which the paper names as future work."""
     smooth = study[Key(WALK)]
     by_form = {
         form: [
@@ -200,20 +205,22 @@ def walk_claims(study: Study) -> list[Claim]:
     return [
         Claim(
             "walk_tasks",
-            "the solver follows a walk: critical tasks within 1e-4 at changing constraints",
+            "in a walk with changing constraints critical tasks are met within 1e-4",
             f"{max(worst.values()):.1e} m and rad over {swing_switches(smooth)} switches",
             max(worst.values()) <= CRITICAL,
-            f"ranks reported by phase: {kinds}",
+            f"constraints by phase: {kinds}",
             worst,
         ),
         Claim(
             "walk_handover",
-            "joint velocities do not jump where the constraints change",
-            f"largest joint acceleration across a switch {at_switch:.2f} rad/s^2, elsewhere "
-            f"{elsewhere:.2f}",
+            "joint velocities do not jump when the constraints change",
+            f"largest joint acceleration at a switch {at_switch:.2f} rad/s^2, elsewhere "
+            f"{elsewhere:.2f} rad/s^2",
             at_switch <= elsewhere and tracked[0][0] <= tracked[0][1],
-            f"projected form; without handover {jump:.0f}. In the tracking form both sets have one "
-            f"solution where all tasks can be met: {tracked[0][0]:.2f} and {tracked[1][0]:.2f}",
+            f"projected form; without handover {jump:.0f} rad/s^2. In the tracking form both sets "
+            "of "
+            "constraints have the same solution if all tasks can be met: "
+            f"{tracked[0][0]:.2f} and {tracked[1][0]:.2f} rad/s^2",
             {"switch": at_switch, "elsewhere": elsewhere, "no handover": jump},
         ),
     ]

@@ -1,4 +1,4 @@
-"""Figures of the experiments of Mistry et al., after figures 6 to 9 of the paper."""
+"""Figures of the experiments of Mistry et al., similar to figures 6 to 9 of the paper."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ LOOKS = {TRACKING: (SKY, 2.4), PROJECTED: (VERMILION, 1.4)}
 
 
 def write_figures(study: Study, folder: Path, *, force: bool) -> list[Path]:
-    """Draw everything into a folder."""
+    """Write all figures into a folder."""
     figures = {
         "sway": plot_sway(study),
         "hand_eight": plot_eight(study),
@@ -38,7 +38,7 @@ def write_figures(study: Study, folder: Path, *, force: bool) -> list[Path]:
 
 
 def plot_sway(study: Study) -> Figure:
-    """Horizontal CoM and what it was asked for."""
+    """Draw the horizontal CoM and its reference."""
     motion = study[Key(SWAY)].motion
     t = motion.times
     panels: list[Panel | None] = []
@@ -54,7 +54,7 @@ def plot_sway(study: Study) -> Figure:
 
 
 def plot_eight(study: Study) -> Figure:
-    """The figure eight in the frontal plane, in both null-space forms."""
+    """Draw the figure eight in the frontal plane, for both null-space forms."""
     panels: list[Panel | None] = []
     for form, (colour, width) in LOOKS.items():
         motion = study[Key(EIGHT, VELOCITY, form)].motion
@@ -71,13 +71,13 @@ def plot_eight(study: Study) -> Figure:
 
 
 def plot_errors(study: Study) -> Figure:
-    """Errors of hand and CoM over time."""
+    """Draw the errors of hand and CoM over time."""
     hands, coms = [], []
     for form, (colour, width) in LOOKS.items():
         stages = study[Key(EIGHT, VELOCITY, form)]
         motion = stages.motion
         t = motion.times
-        floor = 1e-9  # [m], for the logarithm
+        floor = 1e-9  # [m] least value on the logarithmic axis
         error = np.linalg.norm((motion.com - motion.com_ref)[:, :2], axis=1)
         hands.append(
             Line(t, MM * np.maximum(hand_errors(stages), floor), form, colour, width=width)
@@ -93,7 +93,7 @@ def plot_errors(study: Study) -> Figure:
 
 
 def plot_handover(study: Study) -> Figure:
-    """Joint accelerations of a walk with and without handover."""
+    """Draw the joint accelerations of a walk with and without handover."""
     lines = []
     for label, variant, colour in (("handover", "", BLACK), ("none", "no handover", VERMILION)):
         stages = study[Key(WALK, VELOCITY, PROJECTED, variant)]

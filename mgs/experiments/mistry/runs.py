@@ -1,4 +1,4 @@
-"""Runs of the experiments of Mistry et al., and what is measured on them; see the package."""
+"""Runs of the experiments of Mistry et al., and measurements on them; see the package."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from mgs.robot import Robot, load_robot
 SWAY, EIGHT, WALK = "coman/sway", "coman/hand_eight", "melson/walk_5cm"
 VELOCITY, ACCELERATION = "prioritized", "prioritized-acceleration"
 TRACKING, PROJECTED = "tracking", "projected"
-NO_FEEDBACK = 1e-9  # share of an error taken back, as good as none
+NO_FEEDBACK = 1e-9  # practically zero feedback of task errors
 FINE_DT = 0.001  # [s]
 WORLD_ALIGNED = pin.LOCAL_WORLD_ALIGNED
 
 
 @dataclass(frozen=True)
 class Key:
-    """One run."""
+    """Identification of one run."""
 
     gait: str
     solver: str = VELOCITY
@@ -53,12 +53,12 @@ class Study:
     runs: dict[Key, Stages]
 
     def __getitem__(self, key: Key) -> Stages:
-        """One run."""
+        """Run with this key."""
         return self.runs[key]
 
 
 def all_keys() -> list[Key]:
-    """Every run."""
+    """Keys of all runs."""
     forms = [(s, n) for s in (VELOCITY, ACCELERATION) for n in (TRACKING, PROJECTED)]
     keys = [Key(gait, solver, null) for gait in (SWAY, EIGHT) for solver, null in forms]
     keys += [Key(SWAY, VELOCITY, TRACKING, "no feedback")]
@@ -69,7 +69,7 @@ def all_keys() -> list[Key]:
 
 
 def solve(progress: Progress | None = None) -> Study:
-    """Generate every run; what is missed is recorded, not refused."""
+    """Generate all runs; missed tasks are recorded instead of refused."""
     robots = {name: load_robot(name) for name in ("coman", "melson")}
     runs: dict[Key, Stages] = {}
     keys = all_keys()
@@ -108,9 +108,9 @@ def hand_errors(stages: Stages) -> Array:
 
 
 def base_velocity_gap(robot: Robot, stages: Stages) -> float:
-    """Largest part by which eq. (10) misses the base's velocity along a motion [m/s], [rad/s].
+    """Largest error of the base velocity by eq. (10) along a motion [m/s] or [rad/s].
 
-    Both velocities are central differences of the motion, so that the gap falls with dt^2.
+    Both velocities are central differences of the motion, so that the error falls with dt^2.
     """
     motion = stages.motion
     tasks = BodyTasks(robot, ("left_sole", "right_sole"))
@@ -128,7 +128,7 @@ def angle_gap(a: Stages, b: Stages) -> float:
 
 
 def switch_accelerations(stages: Stages) -> tuple[float, float]:
-    """Largest joint acceleration [rad/s^2] across a support switch, and anywhere else."""
+    """Largest joint acceleration [rad/s^2] at support switches, and at all other samples."""
     tasks, dt = stages.tasks, stages.tasks.dt
     acceleration = np.abs(np.diff(stages.joints.angles, 2, axis=0)).max(axis=1) / dt**2
     near = np.zeros(len(acceleration), bool)
@@ -157,7 +157,7 @@ def straight_legs(robot: Robot) -> Array:
 
 
 def phases_of(stages: Stages) -> list[dict[str, object]]:
-    """What a run reports of its constraints, each kind of phase once."""
+    """Reported constraints of a run, once for each kind of phase."""
     phases = stages.joints.report["phases"]
     assert isinstance(phases, list)
     return phases

@@ -1,8 +1,10 @@
-"""Closed-loop analysis of the ZMP preview control of stage 3, with Melson's figures.
+"""Closed-loop analysis of the ZMP preview control of stage 3, with the parameters of Melson.
 
-Poles, gains and Riccati solution against python-control and against derivations that share no code
-with ours; the answer to a step of the reference that is known in advance; what the weight of the
-jerk costs on fast steps.
+ZMP is the zero-moment point; the method is that of Kajita et al., "Biped walking pattern generation
+by using preview control of zero-moment point", ICRA, 2003. The study compares poles, gains and the
+Riccati solution with python-control and with derivations that share no code with mgs. It also shows
+the response to a step of the reference that is known in advance, and the influence of the weight of
+the jerk on fast steps.
 """
 
 from mgs.experiments.preview.study import all_claims, solve

@@ -30,14 +30,14 @@ MM = 1e3  # of a metre
 
 
 def write_figures(study: Study, folder: Path, *, force: bool) -> list[Path]:
-    """Draw everything into a folder."""
+    """Write all figures into a folder."""
     plots = (plot_loop, plot_step, plot_fast_steps)
     figures = {name: plot(study) for name, plot in zip(NAMES, plots, strict=True)}
     return save_figures(figures, folder, force=force)
 
 
 def plot_loop(study: Study) -> Figure:
-    """Poles of the closed loop, and preview gains over the time that they look ahead."""
+    """Draw the poles of the closed loop, and the preview gains over the time ahead."""
     turn = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 200)
     poles = [Line(np.cos(turn), np.sin(turn), colour=FAINT, style="--", width=0.9)]
     gains = []
@@ -76,7 +76,7 @@ def plot_loop(study: Study) -> Figure:
 
 
 def plot_step(study: Study) -> Figure:
-    """Answer to a step that is known in advance, and what a shorter window costs."""
+    """Draw the response to a step that is known in advance, also with shorter preview windows."""
     t = (np.arange(len(study.step)) - STEP_BEFORE) * study.soft.dt
     reference = Line(t, MM * study.step, "reference", BLACK, "--", width=1.0)
     answer = (
@@ -91,11 +91,13 @@ def plot_step(study: Study) -> Figure:
     xlabel, xlim = "time from the step [s]", (-1.5, 1.5)
     return draw_panels(
         [
-            Panel(answer, "x [mm]", "a step known 1.6 s in advance", xlabel=xlabel, xlim=xlim),
+            Panel(
+                answer, "x [mm]", "step that is known 1.6 s in advance", xlabel=xlabel, xlim=xlim
+            ),
             Panel(
                 (*shorter, reference),
                 "x [mm]",
-                "the same with shorter preview windows",
+                "the same step with shorter preview windows",
                 xlabel=xlabel,
                 xlim=xlim,
             ),
@@ -106,13 +108,13 @@ def plot_step(study: Study) -> Figure:
 
 
 def _answer(study: Study, window: float) -> Array:
-    """ZMP (N,) [m] on the step with another preview window [s]."""
+    """ZMP (N,) [m] in the step response with another preview window [s]."""
     parameters = ComParameters(preview=window, weight_jerk=SOFT)
     return follow(dataclasses.replace(study.soft, parameters=parameters), study.step)[0]
 
 
 def plot_fast_steps(study: Study) -> Figure:
-    """ZMP on steps of 0.5 s with either weight of the jerk, and its distance from the reference."""
+    """Draw the ZMP on steps of 0.5 s for both weights of the jerk, and its error."""
     window = stepping(study)
     t = np.flatnonzero(window) * study.fast.dt
     reference = study.fast.zmp_ref[window]

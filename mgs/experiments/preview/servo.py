@@ -1,4 +1,4 @@
-"""The ZMP preview servo as python-control sees it, and other ways to its gains.
+"""The ZMP preview servo in python-control, and independent computations of its gains.
 
 State of the closed loop z[k] = (s[k-1], x[k]), inputs the reference p_ref[k] and the sum w[k] of
 previewed references; symbols as in `mgs.com_generator.preview`:
@@ -24,7 +24,7 @@ MAX_ITERATIONS, CONVERGED = 20_000, 1e-14  # of the Riccati recursion, relative 
 
 @dataclass(frozen=True)
 class Servo:
-    """One preview servo: its settings and the gains that mgs computes for them."""
+    """Preview servo: its settings and the gains that mgs computes for them."""
 
     dt: float  # [s]
     com_height: float  # [m]
@@ -32,13 +32,13 @@ class Servo:
 
     @property
     def gains(self) -> PreviewGains:
-        """Gains of mgs."""
+        """All gains, computed by mgs."""
         p = self.parameters
         return preview_gains(self.dt, self.com_height, p.preview, p.weight_error, p.weight_jerk)
 
     @property
     def feedback(self) -> Array:
-        """Gains (4,) of mgs on (sum of errors, state)."""
+        """Gains (4,) of (sum of errors, state), computed by mgs."""
         return np.concatenate([[self.gains.G_i], self.gains.G_x])
 
     def error_system(self) -> tuple[Array, Array, Array, Array]:
@@ -50,7 +50,7 @@ class Servo:
         return A, B, Q, np.array([[self.parameters.weight_jerk]])
 
     def closed_loop(self) -> Any:
-        """The loop as a `control.StateSpace` from (p_ref, w) to p."""
+        """Closed loop from (p_ref, w) to p as a `control.StateSpace`."""
         import control
 
         g = self.gains
@@ -61,7 +61,7 @@ class Servo:
 
 
 def lqr_feedback(servo: Servo) -> tuple[Array, Array]:
-    """Feedback (4,) and Riccati solution (4, 4) of python-control's dlqr."""
+    """Feedback gains (4,) and Riccati solution (4, 4) by dlqr of python-control."""
     import control
 
     gain, riccati, _ = control.dlqr(*servo.error_system())
@@ -69,13 +69,13 @@ def lqr_feedback(servo: Servo) -> tuple[Array, Array]:
 
 
 def riccati_residual(servo: Servo, K: Array) -> float:
-    """What K (4, 4) leaves of the Riccati equation, relative to K."""
+    """Residual of the Riccati equation for K (4, 4), relative to K."""
     left = _riccati_step(*servo.error_system(), K) - K
     return float(np.abs(left).max() / np.abs(K).max())
 
 
 def iterated_feedback(servo: Servo) -> Array:
-    """Feedback (4,) by running the Riccati recursion from zero until it stands still."""
+    """Feedback gains (4,) by the Riccati recursion from zero until convergence."""
     A, B, Q, R = servo.error_system()
     K = np.zeros((4, 4))
     for _ in range(MAX_ITERATIONS):
@@ -91,10 +91,10 @@ def _riccati_step(A: Array, B: Array, Q: Array, R: Array, K: Array) -> Array:
 
 
 def register_gains(servo: Servo) -> tuple[Array, Array]:
-    """Feedback (4,) and preview gains (n,) by plain LQR on a plant that holds the future.
+    """Feedback gains (4,) and preview gains (n,) by LQR for a plant that includes the future.
 
-    The n known increments of the reference are states of a shift register, so that one dlqr of
-    order 4 + n gives every gain at once, without any formula for preview.
+    The n known increments of the reference are states of a shift register. One dlqr of order 4 + n
+    then gives all gains, without a formula for preview gains.
     """
     import control
 
@@ -102,7 +102,7 @@ def register_gains(servo: Servo) -> tuple[Array, Array]:
     n = len(servo.gains.G_p)
     A_all, B_all, Q_all = np.zeros((4 + n, 4 + n)), np.zeros((4 + n, 1)), np.zeros((4 + n, 4 + n))
     A_all[:4, :4], B_all[:4], Q_all[:4, :4] = A, B, Q
-    A_all[0, 4] = -1.0  # e[k+1] takes in the next increment of the reference
+    A_all[0, 4] = -1.0  # e[k+1] includes the next increment of the reference
     A_all[4:, 4:] = np.eye(n, k=1)
     gain = np.asarray(control.dlqr(A_all, B_all, Q_all, R)[0])[0]
     return gain[:4], gain[4:]
@@ -114,7 +114,7 @@ def step_reference(n_before: int, n_after: int, height: float) -> Array:
 
 
 def simulate(servo: Servo, zmp_ref: Array) -> Array:
-    """ZMP (N,) [m] of python-control's simulation along zmp_ref (N,) that begins at 0."""
+    """ZMP (N,) [m] simulated by python-control for zmp_ref (N,) [m], which begins at 0."""
     import control
 
     G_p = servo.gains.G_p

@@ -1,4 +1,4 @@
-"""The servos, what they are put through, and what is claimed of them; see the package."""
+"""Servos, their responses, and the claims about them; see the package."""
 
 from __future__ import annotations
 
@@ -29,35 +29,35 @@ from mgs.robot import load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 
 GAIT = "melson/walk_5cm"
-FAST = ("walk.n_steps=10", "walk.single_support=0.4", "walk.double_support=0.1")  # 0.5 s a step
+FAST = ("walk.n_steps=10", "walk.single_support=0.4", "walk.double_support=0.1")  # 0.5 s per step
 SOFT, STIFF = 1e-6, 1e-8  # weights of the jerk that are compared
 
-STEP = 0.1  # [m]
-STEP_BEFORE, STEP_AFTER = 300, 400  # samples
-SETTLED_AFTER = 50  # samples
-AGREEMENT = 1e-6  # relative
-OVERSHOOT, SETTLED = 0.05, 1e-3  # of the step
-END_ERROR = 1e-6  # [m]
-WINDOW_END = 1e-3  # last preview gain, relative to the largest
-SIMULATION_GAP = 1e-9  # [m]
-SOFT_RMS, STIFF_RMS = (2e-3, 5e-3), 0.5e-3  # [m] expected on fast steps
+STEP = 0.1  # [m] height of the step of the reference
+STEP_BEFORE, STEP_AFTER = 300, 400  # numbers of samples before and after the step
+SETTLED_AFTER = 50  # number of samples after which the response has settled
+AGREEMENT = 1e-6  # largest relative difference
+OVERSHOOT, SETTLED = 0.05, 1e-3  # largest overshoot and remaining error, as parts of the step
+END_ERROR = 1e-6  # [m] largest error at the end
+WINDOW_END = 1e-3  # largest ratio of the last preview gain to the largest one
+SIMULATION_GAP = 1e-9  # [m] largest difference between two simulations
+SOFT_RMS, STIFF_RMS = (2e-3, 5e-3), 0.5e-3  # [m] expected RMS errors on fast steps
 
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """Servos with either weight, the step and its answers, and fast steps with their answers."""
+    """Servos with both weights, a step with its responses, and fast steps with their responses."""
 
     soft: Servo
     stiff: Servo
     step: Array  # (N,) reference [m]
     answers: dict[float, Array]  # weight -> ZMP (N,) [m]
-    com: Array  # (N,) of the soft servo [m]
+    com: Array  # (N,) CoM of the soft servo [m]
     fast: TaskTrajectory
     fast_zmp: dict[float, Array]  # weight -> ZMP (M, 2) [m]
 
 
 def solve(progress: Progress | None = None) -> Study:
-    """Everything that the claims and figures are about; `progress` is told once, at the end."""
+    """Compute all responses; `progress` is called once, at the end."""
     robot, gait = load_robot("melson"), load_gait(GAIT)
     fast_gait = load_gait(GAIT, FAST)
     assert isinstance(gait, WalkGait) and isinstance(fast_gait, WalkGait)
@@ -79,7 +79,7 @@ def solve(progress: Progress | None = None) -> Study:
 
 
 def follow(servo: Servo, zmp_ref: Array) -> tuple[Array, Array]:
-    """ZMP and CoM (N,) [m] of mgs along a reference (N,) [m]."""
+    """ZMP and CoM (N,) [m] by mgs for a reference (N,) [m]."""
     both = np.column_stack([zmp_ref, np.zeros_like(zmp_ref)])
     height = np.full(len(zmp_ref), servo.com_height)
     com = follow_zmp(both, height, servo.dt, servo.parameters)
@@ -87,52 +87,53 @@ def follow(servo: Servo, zmp_ref: Array) -> tuple[Array, Array]:
 
 
 def stability_claim(study: Study) -> Claim:
-    """The closed loop is stable."""
+    """Claim: the closed loop is stable."""
     poles = np.abs(study.soft.closed_loop().poles())
     natural = float(np.exp(-study.soft.dt * np.sqrt(GRAVITY / study.soft.com_height)))
     return Claim(
         "stable",
-        "the closed loop is stable: its largest pole lies inside the unit circle",
+        "the closed loop is stable: its largest pole is inside the unit circle",
         float(poles.max()),
         bool(poles.max() < 1.0),
-        f"weight_jerk {SOFT:g}; as that goes to zero, a double pole goes to exp(-omega dt) = "
-        f"{natural:.6f}, the cart-table's stable zero and the mirror image of its unstable one",
+        f"weight_jerk {SOFT:g}; in the limit of zero weight two poles are at exp(-omega dt) = "
+        f"{natural:.6f}: the stable zero of the cart-table and the mirror image of the unstable "
+        "one",
         {"largest pole": float(poles.max()), "exp(-omega dt)": natural},
     )
 
 
 def lqr_claim(study: Study) -> Claim:
-    """Feedback gains agree with python-control."""
+    """Claim: the feedback gains agree with python-control."""
     gap = max(
         _relative(lqr_feedback(servo)[0], servo.feedback) for servo in (study.soft, study.stiff)
     )
     return Claim(
         "gains_lqr",
-        f"feedback gains agree with python-control's dlqr within {AGREEMENT:g} relatively",
+        f"relative differences of feedback gains to dlqr of python-control are below {AGREEMENT:g}",
         gap,
         gap < AGREEMENT,
-        "python-control may call the same Riccati solver of SciPy that mgs calls; the next claim "
-        "does not rest on it",
+        "python-control may use the Riccati solver of SciPy; the next claim is independent of it",
     )
 
 
 def riccati_claim(study: Study) -> Claim:
-    """The Riccati solution is one, and is found by plain recursion too."""
+    """Claim: the feedback gains agree with the Riccati recursion."""
     servos = (study.soft, study.stiff)
     residual = max(riccati_residual(servo, lqr_feedback(servo)[1]) for servo in servos)
     gap = max(_relative(iterated_feedback(servo), servo.feedback) for servo in servos)
     return Claim(
         "gains_recursion",
-        f"feedback gains agree with the Riccati recursion run from zero within {AGREEMENT:g}",
+        "relative differences of feedback gains to the Riccati recursion from zero are below "
+        f"{AGREEMENT:g}",
         gap,
         gap < AGREEMENT and residual < AGREEMENT,
-        f"dlqr's Riccati solution, put back into its equation, leaves {residual:.0e} relatively",
+        f"relative residual of the Riccati equation for the solution of dlqr {residual:.0e}",
         {"gap": gap, "residual": residual},
     )
 
 
 def preview_claim(study: Study) -> Claim:
-    """Preview gains agree with those of a plant that holds the future as states."""
+    """Claim: the preview gains agree with LQR for a plant that includes the future."""
     feedback, future = register_gains(study.soft)
     gains = study.soft.gains
     scale = np.abs(gains.G_p).max()
@@ -142,71 +143,75 @@ def preview_claim(study: Study) -> Claim:
     )
     return Claim(
         "gains_preview",
-        f"preview gains agree within {AGREEMENT:g} with plain LQR on a plant whose states hold "
-        "the known future",
+        "relative differences of preview gains to LQR for a plant that includes the known future "
+        f"are below {AGREEMENT:g}",
         gap,
         gap < AGREEMENT,
-        f"dlqr of order {4 + len(future)}, no formula for preview; differences relative to the "
-        "largest gain",
+        f"dlqr of order {4 + len(future)} without a formula for preview gains; differences "
+        "relative to "
+        "the largest gain",
     )
 
 
 def window_claim(study: Study) -> Claim:
-    """The window is long enough."""
+    """Claim: the preview window is long enough."""
     G_p = np.abs(study.soft.gains.G_p)
     ratio = float(G_p[-1] / G_p.max())
     return Claim(
         "window",
-        f"at the end of the preview window the gain is below {WINDOW_END:g} of the largest",
+        f"the gain at the end of the preview window is below {WINDOW_END:g} of the largest gain",
         ratio,
         ratio < WINDOW_END,
-        f"window {study.soft.parameters.preview:g} s, largest gain "
+        f"window {study.soft.parameters.preview:g} s, largest gain at "
         f"{(int(G_p.argmax()) + 1) * study.soft.dt:g} s ahead",
     )
 
 
 def simulation_claim(study: Study) -> Claim:
-    """The banded solver of mgs and python-control's simulation agree."""
+    """Claim: the responses of mgs agree with the simulation of python-control."""
     gap = max(
         float(np.abs(simulate(servo, study.step) - study.answers[weight]).max())
         for weight, servo in ((SOFT, study.soft), (STIFF, study.stiff))
     )
     return Claim(
         "simulation",
-        f"ZMP of mgs and of python-control's simulation of the loop differ by less than "
+        "the ZMP by mgs and by the simulation of python-control differ by less than "
         f"{SIMULATION_GAP:g} m",
         gap,
         gap < SIMULATION_GAP,
-        f"a step of {STEP:g} m, known in advance, both weights",
+        f"step of {STEP:g} m that is known in advance, with both weights",
     )
 
 
 def step_claim(study: Study) -> Claim:
-    """The ZMP converges onto a step that it knows of."""
+    """Claim: the ZMP converges to a step that is known in advance."""
     error = (study.answers[SOFT] - study.step) / STEP
     overshoot, undershoot = float(error[STEP_BEFORE:].max()), float(-error[:STEP_BEFORE].min())
     settled = float(np.abs(error[STEP_BEFORE + SETTLED_AFTER :]).max())
     end = float(np.abs(error[-1])) * STEP
     return Claim(
         "step",
-        f"the ZMP converges onto a preview-fed step: overshoot below {100 * OVERSHOOT:g} %, within "
-        f"{100 * SETTLED:g} % after {SETTLED_AFTER * study.soft.dt:g} s, final error below "
+        "the ZMP converges to a step that is known in advance: overshoot below "
+        f"{100 * OVERSHOOT:g} %, "
+        f"error below {100 * SETTLED:g} % after {SETTLED_AFTER * study.soft.dt:g} s, final error "
+        "below "
         f"{END_ERROR:g} m",
-        f"overshoot {100 * overshoot:.2f} %, {100 * settled:.1e} %, {end:.1e} m",
+        f"overshoot {100 * overshoot:.2f} %, error {100 * settled:.1e} %, final error {end:.1e} m",
         overshoot < OVERSHOOT and settled < SETTLED and end < END_ERROR,
-        f"weight_jerk {SOFT:g}; before the step it draws back by {100 * undershoot:.2f} %",
+        f"weight_jerk {SOFT:g}; before the step the ZMP undershoots by {100 * undershoot:.2f} %",
         {"overshoot": overshoot, "undershoot": undershoot, "settled": settled, "end": end},
     )
 
 
 def weight_claim(study: Study) -> Claim:
-    """A small weight of the jerk makes the ZMP follow fast steps."""
+    """Claim: with a small weight of the jerk the ZMP follows fast steps."""
     values = {f"{weight:g}": fast_rms(study, weight) for weight in (SOFT, STIFF)}
     soft, stiff = values.values()
     return Claim(
         "weight_jerk",
-        f"on steps of 0.5 s weight_jerk {SOFT:g} leaves {1e3 * SOFT_RMS[0]:g} to "
-        f"{1e3 * SOFT_RMS[1]:g} mm RMS of ZMP error and {STIFF:g} under {1e3 * STIFF_RMS:g} mm",
+        f"on steps of 0.5 s the RMS error of the ZMP is {1e3 * SOFT_RMS[0]:g} to "
+        f"{1e3 * SOFT_RMS[1]:g} mm with weight_jerk {SOFT:g} and below {1e3 * STIFF_RMS:g} mm with "
+        f"weight_jerk {STIFF:g}",
         f"{1e3 * soft:.2f} and {1e3 * stiff:.2f} mm",
         SOFT_RMS[0] <= soft <= SOFT_RMS[1] and stiff < STIFF_RMS,
         "ten steps of 5 cm, double support 0.1 s; ZMP of the cart-table, from the first weight "
@@ -216,7 +221,7 @@ def weight_claim(study: Study) -> Claim:
 
 
 def stepping(study: Study) -> NDArray[np.bool_]:
-    """Samples (M,) from the first weight shift to the end of the last."""
+    """Mask (M,) of the samples from the first weight shift to the end of the last one."""
     single = np.flatnonzero(study.fast.support != Support.DOUBLE)
     shift = round(0.1 / study.fast.dt)
     k = np.arange(study.fast.n_samples)
@@ -234,7 +239,7 @@ def _relative(found: Array, expected: Array) -> float:
 
 
 def all_claims(study: Study) -> list[Claim]:
-    """Every claim."""
+    """All claims of the study."""
     return [
         stability_claim(study),
         lqr_claim(study),
