@@ -1,4 +1,4 @@
-"""Figures. The only part of mgs that imports matplotlib."""
+"""Figures of motions and studies; the only part of mgs that imports matplotlib."""
 
 from mgs.report.canvas import save_figures
 from mgs.report.envelope import plot_envelope

@@ -1,4 +1,4 @@
-"""ZMP and CoM over time, against the support polygon of each instant."""
+"""Plot of zero-moment point (ZMP) and centre of mass (CoM) over time, with the support polygon."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from mgs.motion import Motion
 from mgs.report.canvas import BLACK, GREEN, PURPLE
 from mgs.report.panels import Band, Line, Panel, draw_panels, shade_single_support
 
-MM = 1e3  # of a metre
+MM = 1e3  # millimetres per metre
 
 
 def plot_balance(motion: Motion) -> Figure:
-    """Two panels over time, x and y."""
+    """Draw two panels over time: x and y."""
     bounds = support_bounds(motion)
     return draw_panels([_panel(motion, bounds, axis) for axis in (0, 1)], height=2.7)
 
@@ -37,10 +37,10 @@ def _panel(motion: Motion, bounds: Array, axis: int) -> Panel:
 
 
 def support_bounds(motion: Motion) -> Array:
-    """Where (N, 2, 2) the support polygon ends, seen from the ZMP along x and along y [m].
+    """Bounds (N, 2, 2) of the support polygon along x and y through the ZMP [m].
 
-    Axes: sample, axis, (low, high). A ZMP is inside the polygon where it is between both bounds of
-    either axis, which the polygon's overall extent would not tell.
+    Axes of the array: sample, coordinate, (low, high). The ZMP is inside if it is between
+    both bounds of a coordinate; the bounding box of the polygon would not show this.
     """
     bounds = np.empty((motion.n_samples, 2, 2))
     for start, end in spans(motion.support):
@@ -52,9 +52,9 @@ def support_bounds(motion: Motion) -> Array:
 
 
 def section(polygon: Array, level: Array, axis: int) -> Array:
-    """Ends (n, 2) of the cuts of a convex polygon (m, 2) by lines parallel to an axis.
+    """Ends (n, 2) of the intersections of a convex polygon (m, 2) with lines parallel to an axis.
 
-    `level` (n,) holds the other coordinate of each line, brought into the polygon's range.
+    `level` (n,) is the other coordinate of each line, clipped to the range of the polygon.
     """
     a, b = polygon, np.roll(polygon, -1, axis=0)
     other = 1 - axis

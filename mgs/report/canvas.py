@@ -1,6 +1,6 @@
-"""One look for all figures, and files that are either complete or not there.
+"""Common style of all figures, and atomic writing of their files.
 
-matplotlib is used through its objects alone: no pyplot, no global state, no display.
+Only the objects of matplotlib are used: no pyplot, no global state, no display.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import matplotlib as mpl
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Figure
-from PIL import Image  # comes with matplotlib
+from PIL import Image  # installed with matplotlib
 
 from mgs.core.atomic_files import replace_file
 from mgs.core.contact import Side
@@ -22,7 +22,7 @@ from mgs.core.errors import OutputExistsError
 
 Format = Literal["png", "svg"]
 
-# Okabe and Ito, "Color Universal Design", 2008: told apart with any colour vision.
+# M. Okabe and K. Ito, "Color Universal Design", 2008: distinguishable with any colour vision.
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
 SIDE_COLOURS = {Side.LEFT: BLUE, Side.RIGHT: VERMILION}
@@ -33,22 +33,22 @@ TITLE, LABEL, TICK = 9.5, 9.0, 8.0  # font sizes [pt]
 
 
 class ShownFigure(Figure):
-    """A figure that a notebook shows by itself, without pyplot and its magic commands."""
+    """Figure that a notebook displays without pyplot and magic commands."""
 
     def _repr_png_(self) -> bytes:
-        """The picture that a notebook shows."""
+        """PNG picture of the figure, for notebooks."""
         return render(self, "png")
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Empty figure of this size [inch] whose parts make room for each other."""
+    """Create an empty figure of a given size [inch] with constrained layout."""
     return ShownFigure(figsize=(width, height), dpi=DPI, layout="constrained", facecolor="white")
 
 
 def style_axes(
     axes: Axes, *, title: str = "", note: str = "", xlabel: str = "", ylabel: str = ""
 ) -> None:
-    """Quiet frame and grid; `title` above on the left, `note` above on the right."""
+    """Style frame and grid of axes; write `title` above left and `note` above right."""
     axes.set_title(title, loc="left", fontsize=TITLE, color=INK)
     axes.set_title(note, loc="right", fontsize=TICK, color=FAINT)
     axes.set_xlabel(xlabel, fontsize=LABEL, color=INK)
@@ -62,7 +62,7 @@ def style_axes(
 
 
 def legend_above(figure: Figure, axes: Iterable[Axes], *, columns: int = 6) -> None:
-    """One legend for all axes, above them, each label once."""
+    """Draw one legend above all axes, with each label once."""
     entries: dict[str, Artist] = {}
     for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
@@ -81,10 +81,10 @@ def legend_above(figure: Figure, axes: Iterable[Axes], *, columns: int = 6) -> N
 
 
 def figure_paths(folder: Path, names: Iterable[str], fmt: Format, *, force: bool) -> list[Path]:
-    """Files of figures in a folder; call it before the work that the figures need.
+    """Paths of the files of figures; call this before the work that the figures need.
 
     Raises:
-        OutputExistsError: one of them exists and `force` is not set.
+        OutputExistsError: one of the files exists and `force` is False.
     """
     paths = [Path(folder) / f"{name}.{fmt}" for name in names]
     for path in paths:
@@ -101,17 +101,17 @@ def save_figures(
     force: bool = False,
     few_colours: bool = False,
 ) -> list[Path]:
-    """Write figures by name into a folder; the same figure gives the same bytes.
+    """Write figures into a folder; the same figure gives the same bytes.
 
     Args:
-        figures: by name.
-        folder: where to write; made if missing.
-        fmt: png or svg.
+        figures: figures by name; the name is also the file name without extension.
+        folder: folder for the files, created if missing.
+        fmt: file format, png or svg.
         force: replace existing files.
-        few_colours: PNG with a palette, a third of the size at a slight loss.
+        few_colours: write a PNG with a colour palette, which has a third of the size.
 
     Raises:
-        OutputExistsError: a file is in the way and `force` is not set; then nothing is written.
+        OutputExistsError: a file exists and `force` is False; then nothing is written.
         MgsError: a file cannot be written.
     """
     paths = figure_paths(folder, figures, fmt, force=force)
@@ -121,15 +121,15 @@ def save_figures(
 
 
 def render(figure: Figure, fmt: Format, few_colours: bool = False) -> bytes:
-    """Content of the file of a figure; arguments as for `save_figures`."""
+    """Bytes of the file of a figure; see `save_figures` for the arguments."""
     stream = io.BytesIO()
-    # neither date, version nor random identifiers
+    # without date, version and random identifiers
     metadata = {"Software": None} if fmt == "png" else {"Date": None, "Creator": None}
     with mpl.rc_context({"svg.hashsalt": "mgs"}):
         figure.savefig(stream, format=fmt, metadata=metadata)
     if few_colours and fmt == "png":
         image = Image.open(stream).convert("RGB")
-        # one pass of k-means, or pale areas take on a neighbouring hue
+        # one pass of k-means prevents that pale areas get a neighbouring hue
         image = image.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=Image.Dither.NONE)
         stream = io.BytesIO()
         image.save(stream, "png", optimize=True)

@@ -1,4 +1,4 @@
-"""The map of a speed envelope: step time against step length, what passes and what stops it."""
+"""Map of a speed envelope over step time and step length: passing walks, reasons of failure."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from mgs.report.canvas import (
 )
 from mgs.search.envelope import Envelope, Probe
 
-ROOM = 1.15  # of the axes beyond the longest step that passes
+ROOM = 1.15  # range of the axes as a multiple of the longest step that passes
 SERVO_WORDS = {"ideal": "ideal", "model": "modelled", "pd": "PD"}
-N_SPEEDS = 5  # lines of equal speed, at least
+N_SPEEDS = 5  # least number of lines of equal speed
 
 
 def plot_envelope(envelope: Envelope) -> Figure:
-    """Every probe, the longest steps that pass, and lines of equal speed."""
+    """Draw all probes, the longest steps that pass, and lines of equal speed."""
     figure = new_figure(7.2, 4.6)
     axes = figure.add_subplot()
     robot = str(envelope.gait.robot).rpartition("/")[2]
@@ -72,7 +72,7 @@ def plot_envelope(envelope: Envelope) -> Figure:
 
 
 def _just_too_long(envelope: Envelope, longest: float) -> list[float]:
-    """Of each step time the shortest step that fails, as far as it is near what passes."""
+    """Shortest failing step of each step time, if it is close to the steps that pass."""
     shortest: dict[float, float] = {}
     for probe in envelope.probes:
         if not probe.passed:
@@ -95,7 +95,7 @@ def _draw_probes(axes: Axes, envelope: Envelope, top: float) -> None:
 FATES = {
     "passes": ("o", GREEN),
     "out of reach": ("x", BLUE),
-    "servo too slow or weak": ("v", ORANGE),
+    "servo speed or torque too low": ("v", ORANGE),
     "falls": ("X", VERMILION),
     "other check fails": ("s", PURPLE),
 }
@@ -110,12 +110,12 @@ def _fate(probe: Probe) -> str:
         return "falls"
     servo = ("joint_speed", "joint_torque", "joint_torque_rms")
     if any(name in servo or name.endswith("_saturation") for name in probe.failed):
-        return "servo too slow or weak"
+        return "servo speed or torque too low"
     return "other check fails"
 
 
 def _draw_speeds(axes: Axes, most: float) -> None:
-    """Lines of equal speed up to `most` [m/s], labelled where they leave the picture."""
+    """Draw lines of equal speed up to `most` [m/s], labelled at the edge of the axes."""
     (_, right), (_, top) = axes.get_xlim(), axes.get_ylim()
     step = _round_number(most / N_SPEEDS)
     for speed in np.arange(step, most, step):
@@ -128,6 +128,6 @@ def _draw_speeds(axes: Axes, most: float) -> None:
 
 
 def _round_number(x: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten that is not above x."""
+    """Largest number of the form 1, 2 or 5 times a power of ten that does not exceed x."""
     power = 10.0 ** np.floor(np.log10(x))
     return float(max(factor * power for factor in (1.0, 2.0, 5.0) if factor * power <= x))

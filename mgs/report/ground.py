@@ -1,4 +1,4 @@
-"""The walk from above: footsteps, ZMP and CoM on the ground."""
+"""Plot of a walk from above: footsteps, ZMP and CoM on the ground."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from mgs.report.canvas import (
 )
 from mgs.report.scenery import draw_scene_above
 
-MM = 1e3  # of a metre
-MAX_NUMBERS = 40  # more of them could not be read
-NUMBER_INSET = (-12.0, -8.0)  # [pt] of a number from the outer corner at the toe
-MAX_ASPECT = 25.0  # length by width of a walk that is still drawn to one scale
+MM = 1e3  # millimetres per metre
+MAX_NUMBERS = 40  # largest number of footsteps that get a number
+NUMBER_INSET = (-12.0, -8.0)  # [pt] position of a number relative to the outer corner of the toe
+MAX_ASPECT = 25.0  # largest ratio of length to width that is drawn with equal scales
 AXES_SIZE, MIN_AXES_SIZE = np.array([8.0, 6.0]), np.array([6.0, 1.1])  # [inch]
 
 
 def plot_above(motion: Motion) -> Figure:
-    """Footsteps, ZMP asked and reached, and CoM from above; x to the right, y up."""
+    """Draw footsteps, ZMP, its reference, and CoM from above; x to the right, y up."""
     corners = np.concatenate(list(footstep_corners(motion).values()))
     spans = np.ptp(corners.reshape(-1, 2), axis=0)
     scale = float(min(*(AXES_SIZE / spans)))  # [inch/m]
@@ -46,14 +46,14 @@ def plot_above(motion: Motion) -> Figure:
 
 
 def draw_above(axes: Axes, motion: Motion) -> None:
-    """Everything on the ground into given axes [mm]."""
+    """Draw footsteps, ZMP and CoM into given axes [mm]."""
     style_axes(axes, xlabel="x [mm]", ylabel="y [mm]")
     corners = np.concatenate(list(footstep_corners(motion).values()))
     spans = np.ptp(corners.reshape(-1, 2), axis=0)
     if spans.max() < MAX_ASPECT * spans.min():
         axes.set_aspect("equal")
     else:
-        style_axes(axes, note="x and y to different scales", xlabel="x [mm]", ylabel="y [mm]")
+        style_axes(axes, note="x and y have different scales", xlabel="x [mm]", ylabel="y [mm]")
     draw_scene_above(axes, motion.scene, MM)
     _draw_footsteps(axes, motion)
     com, zmp, zmp_ref = MM * motion.com, MM * motion.zmp, MM * motion.zmp_ref
@@ -95,13 +95,15 @@ def _draw_footsteps(axes: Axes, motion: Motion) -> None:
     every = math.ceil(len(motion.footsteps) / MAX_NUMBERS)
     places: set[Footstep] = set()
     for number, footstep in list(enumerate(motion.footsteps, start=-1))[::every]:
-        if footstep not in places:  # a foot may come back to where it was
-            _number(axes, motion, footstep, str(max(number, 0)))  # the two initial ones are 0
+        if footstep not in places:  # a foot may return to an earlier footstep
+            _number(
+                axes, motion, footstep, str(max(number, 0))
+            )  # both initial footsteps have number 0
         places.add(footstep)
 
 
 def _number(axes: Axes, motion: Motion, footstep: Footstep, text: str) -> None:
-    """Write at the outer toe, where neither ZMP nor CoM pass."""
+    """Write a number at the outer corner of the toe, away from ZMP and CoM."""
     spec, outward = motion.robot.sole_spec(footstep.side), [1.0, float(footstep.side.sign)]
     toe = 0.5 * np.array([spec.length, spec.width]) * outward
     x, y = MM * (np.array([footstep.x, footstep.y]) + rotate_planar(toe, footstep.yaw))

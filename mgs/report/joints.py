@@ -1,4 +1,4 @@
-"""Joint angles, speeds and torques against their limits, as small multiples."""
+"""Plots of joint angles, speeds and torques with their limits, one panel per joint name."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from mgs.report.panels import Line, Panel, draw_panels
 from mgs.robot import Robot
 
 COLUMNS = 3
-SHOW_LIMIT_ABOVE = 0.5  # of the limit; a smaller peak would be a flat line between far limits
+SHOW_LIMIT_ABOVE = 0.5  # least ratio of peak to limit for which the limits are inside the axes
 
-# left_knee, l_knee, LKnee and knee_left, knee_l
+# accepted forms: left_knee, l_knee, LKnee, knee_left, knee_l
 SIDE_NAME = re.compile(r"^(?i:(left|right))_?|^([lr])_|^([LR])(?=[A-Z])|_(?i:(left|right|l|r))$")
 
 
 @dataclass(frozen=True)
 class JointSet:
-    """Joints that share a panel: those of one name, on either side."""
+    """Joints in one panel: the left and the right joint of a name, or a single joint."""
 
     group: str
     title: str
-    joints: tuple[tuple[Side | None, int], ...]  # side, index
+    joints: tuple[tuple[Side | None, int], ...]  # side and index of each joint
 
 
 def joint_sets(robot: Robot) -> list[JointSet]:
-    """The joints of a robot by group and name, left and right together."""
+    """Joints of a robot by group and name, with left and right joints together."""
     groups = {name: group for group, names in robot.spec.groups.items() for name in names}
     order = sorted(
         range(robot.n), key=lambda i: _place(list(robot.spec.groups), groups, robot.joint_names[i])
@@ -52,7 +52,7 @@ def _place(order: list[str], groups: dict[str, str], name: str) -> int:
 
 
 def split_side(name: str) -> tuple[Side | None, str]:
-    """Side and remaining name of a joint or group: (LEFT, knee) of `left_knee`."""
+    """Side and remaining name of a joint or group, e.g. (LEFT, knee) for `left_knee`."""
     match = SIDE_NAME.search(name)
     rest = SIDE_NAME.sub("", name, count=1)
     if match is None or not rest:
@@ -62,7 +62,7 @@ def split_side(name: str) -> tuple[Side | None, str]:
 
 
 def plot_positions(motion: Motion) -> Figure:
-    """Joint angles [deg] between their limits."""
+    """Draw joint angles [deg] with their limits."""
     robot = motion.robot
     angles = motion.q[:, FLOATING_BASE_NQ:]
 
@@ -73,7 +73,7 @@ def plot_positions(motion: Motion) -> Figure:
             lines=_lines(motion, joints, np.degrees(angles)),
             ylabel="angle [deg]",
             title=joints.title,
-            note=f"{np.degrees(margin):.0f} deg to limit",
+            note=f"{np.degrees(margin):.0f} deg from limit",
             limits=_position_limits(robot, joints),
         )
 
@@ -83,7 +83,7 @@ def plot_positions(motion: Motion) -> Figure:
 
 
 def _position_limits(robot: Robot, joints: JointSet) -> tuple[tuple[float, str], ...]:
-    """Limits [deg] with their colours, which are the sides' where the sides differ."""
+    """Limits [deg] with their colours; limits that differ have the colours of their sides."""
     limits: dict[float, str] = {}
     for side, i in joints.joints:
         for level in (float(np.degrees(robot.lower[i])), float(np.degrees(robot.upper[i]))):
@@ -92,14 +92,14 @@ def _position_limits(robot: Robot, joints: JointSet) -> tuple[tuple[float, str],
 
 
 def plot_velocities(motion: Motion) -> Figure:
-    """Joint speeds [deg/s] against the servos' limits."""
+    """Draw joint speeds [deg/s] with the speed limits of the servos."""
     values = np.degrees(motion.v[:, FLOATING_BASE_NV:])
     limits = np.degrees(motion.robot.speed_limit)
     return _against_symmetric_limits(motion, values, limits, "speed [deg/s]", "of the speed limit")
 
 
 def plot_torques(motion: Motion) -> Figure:
-    """Joint torques [N m] against the servos' stall torques."""
+    """Draw joint torques [N m] with the stall torques of the servos."""
     limits = motion.robot.torque_limit
     return _against_symmetric_limits(
         motion, motion.torque, limits, "torque [N m]", "of stall torque"
@@ -109,7 +109,7 @@ def plot_torques(motion: Motion) -> Figure:
 def _against_symmetric_limits(
     motion: Motion, values: Array, limits: Array, ylabel: str, what: str
 ) -> Figure:
-    """Values (N, n) against +-limits (n,); the axes end near the data if limits are far."""
+    """Draw values (N, n) with limits +-(n,), which are outside the axes if the values are small."""
 
     def panel(joints: JointSet) -> Panel:
         i = [index for _, index in joints.joints]
@@ -128,7 +128,9 @@ def _against_symmetric_limits(
         )
 
     panels = [panel(joints) for joints in joint_sets(motion.robot)]
-    return _multiples(panels, motion.robot, f"percentages {what}; dashed: limits, where near")
+    return _multiples(
+        panels, motion.robot, f"percentages {what}; dashed: limits, if inside the axes"
+    )
 
 
 def _lines(motion: Motion, joints: JointSet, values: Array) -> tuple[Line, ...]:
@@ -138,14 +140,16 @@ def _lines(motion: Motion, joints: JointSet, values: Array) -> tuple[Line, ...]:
             values[:, i],
             "middle" if side is None else side.label,
             INK if side is None else SIDE_COLOURS[side],
-            width=1.9 if side is Side.LEFT else 1.0,  # seen where the other runs over it
+            width=1.9
+            if side is Side.LEFT
+            else 1.0,  # the wide line stays visible below the other one
         )
         for side, i in joints.joints
     )
 
 
 def _multiples(panels: list[Panel], robot: Robot, caption: str) -> Figure:
-    """Panels in rows that begin anew with each group of joints."""
+    """Draw panels; each group of joints starts a new row."""
     places: list[Panel | None] = []
     group = ""
     for joints, panel in zip(joint_sets(robot), panels, strict=True):

@@ -1,4 +1,4 @@
-"""The plots of one motion, as `mgs plot` writes them."""
+"""All plots of a motion, as written by `mgs plot`."""
 
 from __future__ import annotations
 
@@ -31,20 +31,20 @@ def plot_motion(
     force: bool = False,
     progress: Progress | None = None,
 ) -> list[Path]:
-    """Write every plot of a motion into a folder, which is made if missing.
+    """Write all plots of a motion into a folder.
 
     Args:
-        motion: what to show.
-        folder: where to write; one file for each entry of `MOTION_PLOTS`.
-        fmt: png or svg.
+        motion: motion to plot.
+        folder: folder for the files, created if missing; one file per entry of `MOTION_PLOTS`.
+        fmt: file format, png or svg.
         force: replace existing files.
-        progress: called with plots written and plots in all.
+        progress: function that is called with the number of written plots and of all plots.
 
     Returns:
-        The files.
+        Paths of the files.
 
     Raises:
-        OutputExistsError: a file is in the way and `force` is not set; then nothing is written.
+        OutputExistsError: a file exists and `force` is False; then nothing is written.
         MgsError: a file cannot be written.
     """
     figure_paths(folder, MOTION_PLOTS, fmt, force=force)

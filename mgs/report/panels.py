@@ -1,4 +1,4 @@
-"""Small multiples: what to draw as plain data, so that studies need no plotting library."""
+"""Panels of figures as plain data, so that experiments need no plotting library."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Array = NDArray[np.floating[Any]]
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """One curve; x and y are (N,), gaps are NaN."""
+    """Curve; x and y are (N,), NaN gives a gap."""
 
     x: Array
     y: Array
@@ -62,7 +62,7 @@ class Shade:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One pair of axes."""
+    """Contents of one pair of axes."""
 
     lines: tuple[Line, ...]
     ylabel: str
@@ -71,15 +71,15 @@ class Panel:
     xlabel: str = "time [s]"
     band: Band | None = None
     shades: tuple[Shade, ...] = ()
-    limits: tuple[tuple[float, str], ...] = ()  # level and colour; dashed, inside the axes
+    limits: tuple[tuple[float, str], ...] = ()  # level and colour of dashed lines inside the axes
     ylim: tuple[float, float] | None = None
     xlim: tuple[float, float] | None = None
     logarithmic: bool = False
-    equal: bool = False  # one scale for both axes
+    equal: bool = False  # equal scales of both axes
 
 
 def shade_single_support(times: Array, support: NDArray[np.int8]) -> tuple[Shade, ...]:
-    """Background of the single supports; `times` and `support` are (N,)."""
+    """Backgrounds of single supports; `times` and `support` are (N,)."""
     return (
         Shade(times, support == Support.LEFT, BLUE, "left SSP"),
         Shade(times, support == Support.RIGHT, VERMILION, "right SSP"),
@@ -94,13 +94,13 @@ def draw_panels(
     height: float = 2.2,
     caption: str = "",
 ) -> Figure:
-    """Panels row by row, `None` for an empty place; one legend for all.
+    """Draw panels row by row, with one legend for all.
 
     Args:
-        panels: what to draw.
-        columns: panels in a row.
-        width: of the figure [inch].
-        height: of a row [inch].
+        panels: panels to draw; None leaves a place empty.
+        columns: number of panels per row.
+        width: width of the figure [inch].
+        height: height of a row [inch].
         caption: remark at the top right, beside the legend.
     """
     rows = math.ceil(len(panels) / columns)
@@ -114,9 +114,11 @@ def draw_panels(
         below = panels[k + columns] if k + columns < len(panels) else None
         left = panels[k - 1] if k % columns else None
         draw_panel(axes, panel)
-        if below is not None and below.xlabel == panel.xlabel:  # say it once a column
+        if (
+            below is not None and below.xlabel == panel.xlabel
+        ):  # label the lowest panel of a column only
             axes.set_xlabel("")
-        if left is not None and left.ylabel == panel.ylabel:  # and once a row
+        if left is not None and left.ylabel == panel.ylabel:  # and the first panel of a row only
             axes.set_ylabel("")
     legend_above(figure, grid)
     if caption:
@@ -133,7 +135,7 @@ def draw_panels(
 
 
 def draw_panel(axes: Axes, panel: Panel) -> None:
-    """One panel into given axes."""
+    """Draw one panel into given axes."""
     style_axes(axes, title=panel.title, note=panel.note, xlabel=panel.xlabel, ylabel=panel.ylabel)
     _draw_background(axes, panel)
     for line in panel.lines:

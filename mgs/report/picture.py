@@ -1,4 +1,4 @@
-"""One wide picture of a walk for a newcomer: the robot at some instants, and its tracks."""
+"""Overview picture of a motion: the robot at several instants, and its tracks from above."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ from mgs.report.ground import draw_above, footstep_corners
 from mgs.report.robot_drawing import box_corners, draw_robot, view_from
 from mgs.report.scenery import NEARBY, draw_scene
 
-WIDTH = 9.2  # [inch]
-VIEW = view_from(-58.0, 14.0)  # from the right and front: the robot walks to the right
-N_POSES, MIN_PLACES = 8, 6  # drawn at most; as wide as so many, even where there are fewer
-MIN_STEPS = 2  # of a motion that is shown step by step
-MOVING = 0.02  # of the fastest joint, at which a motion counts as moving
-SPACING, OVERHANG, LYING, CAPTION = 1.0, 0.58, 1.2, 0.4  # of the CoM's height, around the robots
+WIDTH = 9.2  # [inch] width of the picture
+VIEW = view_from(-58.0, 14.0)  # from the front right: the robot walks to the right
+N_POSES, MIN_PLACES = 8, 6  # largest number of poses; least width in poses
+MIN_STEPS = 2  # least number of steps of a motion that is drawn step by step
+MOVING = 0.02  # part of the largest joint speed above which a motion counts as moving
+SPACING, OVERHANG, LYING, CAPTION = 1.0, 0.58, 1.2, 0.4  # multiples of the CoM height
 
 
 def picture_strip(motion: Motion, n_poses: int = N_POSES) -> Figure:
-    """Robot at rest, in the middle of its first steps and at rest again; below, all from above."""
+    """Draw the robot at rest, in its first steps and at rest again; below, the view from above."""
     spans = np.ptp(np.concatenate(list(footstep_corners(motion).values())), axis=(0, 1))
     ground_height = float(np.clip((WIDTH - 1.0) * spans[1] / spans[0], 1.2, 3.2)) + 0.7
     samples = pose_samples(motion, n_poses)
@@ -44,7 +44,7 @@ def picture_strip(motion: Motion, n_poses: int = N_POSES) -> Figure:
     places = max(len(samples), MIN_PLACES)
     overhang = OVERHANG if motion.gait.is_balanced else LYING
     width = ((places - 1) * SPACING + 2 * overhang) * unit
-    left = 0.5 * ((len(samples) - 1) * SPACING * unit - width)  # the poses stand in the middle
+    left = 0.5 * ((len(samples) - 1) * SPACING * unit - width)  # the poses are centred
     top = 1.08 * max(_top(motion, sample) for sample in samples)
     strip_height = WIDTH * (top + CAPTION * unit) / width
     figure = new_figure(WIDTH, strip_height + ground_height + 0.35)
@@ -69,22 +69,22 @@ def write_picture(motion: Motion, path: Path, *, force: bool = False) -> Path:
 
 
 def _top(motion: Motion, sample: int) -> float:
-    """Height of the robot in the strip, above the place where it stands [m]."""
+    """Height of the robot above its place in the strip [m]."""
     corners = box_corners(motion.robot, motion.q[sample]).reshape(-1, 3)
     return float((corners @ VIEW.up).max() - _centre(motion, sample) @ VIEW.up)
 
 
 def _centre(motion: Motion, sample: int) -> Array:
-    """Place on the ground (3,) where the robot is drawn: between its soles, or where it lies."""
+    """Point (3,) on the ground that is the place of the robot: between its soles, or below it."""
     points = motion.soles[sample, :, :3] if motion.gait.is_balanced else motion.com[sample, None]
     return np.asarray(points.mean(axis=0) * [1.0, 1.0, 0.0])
 
 
 def pose_samples(motion: Motion, n_poses: int) -> list[int]:
-    """First and last sample and, between them, the middles of the first single supports.
+    """Samples to draw: the first, the last, and the middles of the first single supports.
 
-    Of a sequence those of steps from its beginning to its end; of a motion with next to no steps
-    instants spread evenly over the time in which it moves.
+    For a sequence, the steps are spread from its start to its end. For a motion with fewer than
+    `MIN_STEPS` steps, instants are spread evenly over the time in which the robot moves.
     """
     n_between = max(n_poses - 2, 0)
     middles = [
@@ -120,7 +120,7 @@ def _draw_strip(axes: Axes, motion: Motion, samples: list[int], spacing: float) 
 
 
 def _draw_points(axes: Axes, motion: Motion, sample: int, offset: Array) -> None:
-    """ZMP, and CoM joined to the ground, in front of the robot."""
+    """Draw ZMP and CoM, with a line from the CoM to the ground, in front of the robot."""
     sides = list(Support(motion.support[sample]).sides)
     ground = float(motion.soles[sample, sides, 2].mean())
     com, zmp = motion.com[sample], np.append(motion.zmp[sample], ground)

@@ -1,4 +1,4 @@
-"""The plots of one motion as figures; `mgs.plot`."""
+"""Plots of a motion as figure objects, for `mgs.plot`."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from mgs.report.motion_plots import MOTION_PLOTS
 
 
 class Figures(dict[str, Figure]):
-    """Figures by name; a notebook shows them one below the other."""
+    """Figures by name; a notebook displays all of them."""
 
     def __repr__(self) -> str:
         return f"<Figures: {', '.join(self)}>"
 
     def _repr_html_(self) -> str:
-        """All figures as images in the page itself."""
+        """HTML with all figures as embedded images."""
         return "".join(
             f'<img alt="{escape(name)}" src="data:image/png;base64,'
             f'{base64.b64encode(render(figure, "png")).decode()}"/>'
@@ -32,22 +32,22 @@ class Figures(dict[str, Figure]):
         )
 
     def save(self, folder: str | Path, fmt: Format = "png", *, force: bool = False) -> list[Path]:
-        """Write a file for each figure into a folder; see `save_figures` for the errors."""
+        """Write each figure into a folder; see `save_figures` for the errors."""
         return save_figures(self, Path(folder), fmt, force=force)
 
 
 def plot(motion: Motion | str | Path, names: str | Iterable[str] | None = None) -> Figures:
-    """Draw footsteps, ZMP, CoM and joints of a motion against their limits.
+    """Draw footsteps, ZMP, CoM and joints of a motion with their limits.
 
     Args:
-        motion: a motion or the path of a motion file.
-        names: which plots, keys of `MOTION_PLOTS`; None: all of them.
+        motion: motion, or path of a motion file.
+        names: names of plots, keys of `MOTION_PLOTS`; None: all plots.
 
     Returns:
-        The figures by name: `mgs.plot(motion)["above"]` is one, `.save(folder)` writes them.
+        Figures by name, e.g. `mgs.plot(motion)["above"]`; `.save(folder)` writes all of them.
 
     Raises:
-        ConfigError: there is no plot of that name.
+        ConfigError: there is no plot with that name.
         MotionFileError: the motion file is missing or damaged.
         TypeError: an argument has a wrong type.
     """

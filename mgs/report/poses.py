@@ -1,4 +1,4 @@
-"""Robot poses side by side, each in its own frame on the ground."""
+"""Plot of robot poses side by side, each in a frame of its own on the ground."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from mgs.robot import Robot
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """One drawing: the robot at q (7 + n,) seen in a view, over another pose to compare with."""
+    """Drawing of the robot at q (7 + n,) in a view, optionally with another pose for comparison."""
 
     q: Array
     view: View
@@ -37,15 +37,15 @@ def plot_poses(
     width: float = 9.0,
     caption: str = "",
 ) -> Figure:
-    """Poses row by row, all to the same scale.
+    """Draw poses row by row with the same scale.
 
     Args:
-        robot: the robot.
-        poses: what to draw.
-        columns: poses in a row.
-        rows: names of the rows.
-        width: of the figure [inch].
-        caption: remark below.
+        robot: robot model.
+        poses: poses to draw.
+        columns: number of poses per row.
+        rows: labels of the rows.
+        width: width of the figure [inch].
+        caption: remark below the poses.
     """
     reach = 1.05 * max(float(np.abs(_outline(robot, pose)).max(axis=0)[0]) for pose in poses)
     top = 1.03 * max(float(_outline(robot, pose)[:, 1].max()) for pose in poses)
@@ -91,7 +91,7 @@ def _draw(axes: Axes, robot: Robot, pose: Pose) -> None:
 
 
 def _centre(robot: Robot, pose: Pose, q: Array) -> tuple[float, float]:
-    """Offset in the picture that puts the point midway between the soles at the origin [m]."""
+    """Offset in the picture that moves the midpoint of the soles to the origin [m]."""
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, q)
     middle = np.mean([data.oMf[frame].translation for frame in robot.sole_frames], axis=0)
@@ -100,6 +100,6 @@ def _centre(robot: Robot, pose: Pose, q: Array) -> tuple[float, float]:
 
 
 def _outline(robot: Robot, pose: Pose) -> Array:
-    """Corners (b, 2) of the drawn boxes in the picture [m]."""
+    """Corners (b, 2) of all drawn boxes in the picture [m]."""
     corners = pose.view.project(box_corners(robot, pose.q)).reshape(-1, 2)
     return np.asarray(corners + _centre(robot, pose, pose.q))

@@ -1,7 +1,7 @@
-"""The robot drawn from its collision boxes, in parallel projection.
+"""Drawing of a robot from its collision boxes, in parallel projection.
 
-Every box shows the faces that look at the viewer, farther ones first. Shapes other than boxes are
-drawn as the boxes around them.
+The faces that are turned to the viewer are drawn, farther faces first. Shapes other than boxes are
+drawn as their bounding boxes.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from mgs.robot import Robot, shape_corners
 from mgs.robot.limbs import joint_chain
 
 TRUNK_COLOUR, GHOST_COLOUR = "0.72", "0.6"
-# of `UNIT_CORNERS` those of each face, counter-clockwise seen from outside
+# indices of `UNIT_CORNERS` of each face, counter-clockwise as seen from outside
 FACES = np.array(
     [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 )
@@ -31,7 +31,7 @@ FACES = np.array(
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """Parallel projection: unit vectors in the world that are right, up and towards the viewer."""
+    """Parallel projection: unit vectors in the world to the right, up and towards the viewer."""
 
     right: Array
     up: Array
@@ -44,7 +44,7 @@ class View:
 
 
 def view_from(azimuth_deg: float, elevation_deg: float) -> View:
-    """View from a direction: azimuth 0 looks from the front (+x), 90 from the left (+y)."""
+    """View from a direction [deg]: azimuth 0 is from the front (+x), 90 from the left (+y)."""
     azimuth, elevation = np.radians([azimuth_deg, elevation_deg])
     flat = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
     towards = np.cos(elevation) * flat + np.array([0.0, 0.0, np.sin(elevation)])
@@ -53,7 +53,7 @@ def view_from(azimuth_deg: float, elevation_deg: float) -> View:
 
 
 FRONT = view_from(0.0, 0.0)
-RIGHT_SIDE = view_from(-90.0, 0.0)  # walks to the right of the picture
+RIGHT_SIDE = view_from(-90.0, 0.0)  # the robot walks to the right of the picture
 
 
 def draw_robot(
@@ -66,16 +66,16 @@ def draw_robot(
     ghost: bool = False,
     zorder: float = 3.0,
 ) -> None:
-    """The robot at q (7 + n,).
+    """Draw the robot at configuration q (7 + n,).
 
     Args:
-        axes: where to draw; its units are metres.
-        robot: the robot.
+        axes: axes in metres.
+        robot: robot model.
         q: configuration.
         view: projection.
-        offset: added to picture coordinates [m].
-        ghost: outlines only, for a pose to compare with.
-        zorder: drawing order among other artists.
+        offset: offset (2,) of picture coordinates [m].
+        ghost: draw outlines only, for a pose for comparison.
+        zorder: drawing order relative to other artists.
     """
     faces = box_corners(robot, q)[:, FACES]  # (b, 6, 4, 3)
     normals = _normals(faces)
@@ -102,7 +102,7 @@ def _light(view: View) -> Array:
 
 
 def box_corners(robot: Robot, q: Array) -> Array:
-    """Corners (b, 8, 3) in the world of the boxes of a robot at q (7 + n,) [m]."""
+    """Corners (b, 8, 3) in the world of the boxes of a robot at configuration q (7 + n,) [m]."""
     geometry = robot.geometry
     data, placements = robot.model.createData(), geometry.createData()
     pin.updateGeometryPlacements(robot.model, data, geometry, placements, q)
@@ -124,7 +124,7 @@ def _local_corners(robot: Robot) -> Array:
 
 @functools.lru_cache(maxsize=8)
 def _colours(robot: Robot) -> Array:
-    """Colour (b, 3) of every shape: those of the left and of the right limbs, and the trunk's."""
+    """Colours (b, 3) of all shapes, for left limbs, right limbs and trunk."""
     colours = []
     limbs = {side: _limb_joints(robot, side) for side in Side}
     for item in robot.geometry.geometryObjects:
@@ -134,7 +134,7 @@ def _colours(robot: Robot) -> Array:
 
 
 def _limb_joints(robot: Robot, side: Side) -> set[int]:
-    """Joints that move a sole or hand of this side and none of the other."""
+    """Joints that move the sole or hand of this side but not of the other side."""
 
     def moving(which: Side) -> set[int]:
         frames = (robot.sole_frames[which], robot.hand_frames[which])

@@ -1,4 +1,4 @@
-"""Boxes and balls beside the robot, in parallel projection and from above."""
+"""Drawing of boxes and balls of a scene, in parallel projection and from above."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from mgs.report.canvas import FAINT
 from mgs.report.robot_drawing import View
 
 BODY, TOP, BALL = "0.90", "0.82", "#E69F00"
-NEARBY = 0.4  # of the CoM's height, from a robot in a strip: no more of a box is drawn
+NEARBY = 0.4  # radius around the robot in which boxes are drawn, as part of the CoM height
 
 
 def draw_scene(
     axes: Axes, scene: Scene, view: View, centre: Array, radius: float, offset: Array, time: float
 ) -> None:
-    """What is within a radius [m] of a place (3,), behind the robot; struck balls are gone."""
+    """Draw objects within a radius [m] of a point (3,) behind the robot, without struck balls."""
     for box in scene.boxes:
         base = _nearby(box, centre[:2], radius)
         if len(base) < 3:
@@ -40,7 +40,7 @@ def draw_scene(
 
 
 def draw_scene_above(axes: Axes, scene: Scene, unit: float) -> None:
-    """Everything from above, in parts of a metre such as 1e3 for millimetres."""
+    """Draw all objects from above; `scale` is the number of units per metre, 1e3 for mm."""
     for box in scene.boxes:
         axes.add_collection(
             PolyCollection(
@@ -63,7 +63,7 @@ def _disc(ball: Ball, middle: Array, unit: float, zorder: float) -> Circle:
 
 
 def _nearby(box: Box, centre: Array, radius: float) -> Array:
-    """Corners (m, 2) of the part of a box in a square about a place (2,), in the box's axes."""
+    """Corners (m, 2) of the part of a box inside a square around a point (2,), in box axes."""
     turn = np.array([[np.cos(box.yaw), -np.sin(box.yaw)], [np.sin(box.yaw), np.cos(box.yaw)]])
     local = (centre - [box.x, box.y]) @ turn
     half = 0.5 * np.array([box.length, box.width])

@@ -1,1 +1,1 @@
-"""Searches that rest on verdicts: how fast a robot can walk, and what corrects a motion."""
+"""Searches with verdicts as criterion: fastest walk of a robot, correction of a motion."""

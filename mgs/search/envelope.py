@@ -1,9 +1,9 @@
-"""Speed envelope: how long steps of a given duration may be before a walk fails.
+"""Speed envelope: the longest step for each step duration with which a walk passes.
 
-For every step time the longest step that passes is found by bisection over whole multiples of a
-resolution. A probe is the walk with these steps: planned, checked without simulation, then replayed
-in one engine after the other until something fails, the cheapest first. Bisection takes for granted
-that what is too long stays too long; every probe is kept, so that an exception shows.
+For each step time the longest step that passes is found by bisection over integer multiples of a
+resolution. A probe is a walk with these steps: it is planned, checked statically, and replayed in
+one engine after another until a check fails, the fastest engine first. Bisection assumes that all
+longer steps than a failing one fail as well; all probes are kept, so that exceptions are visible.
 """
 
 from __future__ import annotations
@@ -26,46 +26,46 @@ from mgs.pipeline import run_stages
 from mgs.robot import Robot, leg_length
 from mgs.sim import EngineName, ServoName, replay
 
-PACES = (2.0, 2.5, 3.0, 4.0, 5.0, 6.0)  # step times tried, in units of sqrt(leg length / g)
-SHARE_OF_SINGLE_SUPPORT = 0.8  # of a step, where no gait says it
-STEP_HEIGHT = 0.05  # of the leg length, where no gait says it
+PACES = (2.0, 2.5, 3.0, 4.0, 5.0, 6.0)  # default step times in units of sqrt(leg length / g)
+SHARE_OF_SINGLE_SUPPORT = 0.8  # default part of single support in a step
+STEP_HEIGHT = 0.05  # default step height as part of the leg length
 
 
 @dataclass(frozen=True)
 class Probe:
-    """One walk and what became of it."""
+    """One walk of the search with its result."""
 
-    step_time: float  # double and single support [s]
-    step_length: float  # [m]
-    failed: tuple[str, ...]  # names of checks, or of the error that kept it from being planned
-    message: str  # of that error
-    zmp_margin: float | None  # of the plan, least [m]; None: there is no plan
-    max_tilt_deg: float | None  # of all replays; None: there was none
+    step_time: float  # duration of double and single support together [s]
+    step_length: float  # length of a step [m]
+    failed: tuple[str, ...]  # names of failed checks, or of the error during planning
+    message: str  # message of that error
+    zmp_margin: float | None  # least ZMP margin of the plan [m]; None without a plan
+    max_tilt_deg: float | None  # largest tilt of all replays [deg]; None without replays
 
     @property
     def passed(self) -> bool:
-        """Whether nothing failed."""
+        """True if no check failed."""
         return not self.failed
 
     @property
     def speed(self) -> float:
-        """Of the steady walk [m/s]."""
+        """Speed of the steady walk [m/s]."""
         return self.step_length / self.step_time
 
 
 @dataclass(frozen=True, eq=False)
 class Envelope:
-    """All probes of one robot; `gait` is the walk whose steps were varied."""
+    """All probes of one robot; `gait` is the walk whose steps are varied."""
 
     gait: WalkGait
-    leg_length: float  # [m]
+    leg_length: float  # length of the stretched leg [m]
     engines: tuple[EngineName, ...]
     servo: ServoName
-    resolution: float  # of the step length [m]
+    resolution: float  # resolution of the step length [m]
     probes: tuple[Probe, ...]
 
     def limits(self) -> dict[float, Probe | None]:
-        """The longest step that passes for each step time; None: not even the shortest does."""
+        """Longest step that passes for each step time; None if no step passes."""
         found: dict[float, Probe | None] = {}
         for probe in sorted(self.probes, key=lambda p: (p.step_time, p.step_length)):
             found.setdefault(probe.step_time, None)
@@ -75,20 +75,20 @@ class Envelope:
 
     @property
     def fastest(self) -> Probe | None:
-        """The fastest probe that passed."""
+        """Fastest probe that passed; None if no probe passed."""
         return max((p for p in self.probes if p.passed), key=lambda p: p.speed, default=None)
 
     def fastest_gait(self) -> WalkGait | None:
-        """The gait of the fastest probe that passed."""
+        """Gait of the fastest probe that passed; None if no probe passed."""
         best = self.fastest
         return None if best is None else with_step(self.gait, best.step_time, best.step_length)
 
     def froude(self, probe: Probe) -> float:
-        """Froude number v^2 / (g l) with the leg length l."""
+        """Froude number v^2 / (g l) of a probe, with the leg length l."""
         return probe.speed**2 / (GRAVITY * self.leg_length)
 
     def to_dict(self) -> dict[str, object]:
-        """Plain data."""
+        """Convert to plain data."""
         fastest = self.fastest
         return {
             "robot": self.gait.robot,
@@ -107,7 +107,7 @@ class Envelope:
 
 
 def default_walk(robot: Robot, name: str) -> WalkGait:
-    """Ten steps in sizes of the robot; `name` is what its gait file calls it."""
+    """Walk of ten steps in proportion to the robot; `name` is the robot in the gait file."""
     step_height = round(STEP_HEIGHT * leg_length(robot), 4)
     share = SHARE_OF_SINGLE_SUPPORT
     walk = WalkParameters(
@@ -127,16 +127,16 @@ def default_walk(robot: Robot, name: str) -> WalkGait:
 
 
 def default_step_times(robot: Robot, dt: float) -> list[float]:
-    """Step times [s] in proportion to the time constant of a pendulum as long as the leg."""
+    """Step times [s] in proportion to the time constant of a pendulum with the leg length."""
     unit = math.sqrt(leg_length(robot) / GRAVITY)
     return sorted({round(round(pace * unit / dt) * dt, 6) for pace in PACES})
 
 
 def with_step(gait: WalkGait, step_time: float, step_length: float) -> WalkGait:
-    """The gait with other steps; the share of single support stays as far as samples allow.
+    """Gait with other steps; the part of single support is kept up to whole samples.
 
     Raises:
-        ConfigError: values that a gait file may not have.
+        ConfigError: a value is not valid in a gait file.
     """
     steps = {**_phases(gait, step_time), "step_length": step_length}
     values = {**gait.model_dump(), "walk": {**gait.walk.model_dump(), **steps}}
@@ -167,18 +167,18 @@ def find_envelope(
     """Find the longest step of each step time.
 
     Args:
-        robot: the robot.
-        gait: the walk whose steps are varied.
-        step_times: double and single support together [s].
-        resolution: of step lengths [m].
-        engines: in which a walk has to pass.
+        robot: robot model.
+        gait: walk whose steps are varied.
+        step_times: durations of double and single support together [s].
+        resolution: resolution of the step lengths [m].
+        engines: engines in which a walk has to pass.
         servo: "model" (with feed-forward) or "ideal".
-        workers: processes.
-        progress: called with step times done and step times in all.
-        keep: called with what is known, whenever a step time is done.
+        workers: number of processes.
+        progress: function that is called with the number of finished step times and of all.
+        keep: function that is called with the results so far after each step time.
 
     Raises:
-        ConfigError: a step time that the gait's phases do not allow.
+        ConfigError: a step time is too short for the phases of the gait.
         SimulationError: an engine is missing.
     """
     probes: list[Probe] = []
@@ -208,7 +208,7 @@ def _map(
     if workers == 1 or len(jobs) < 2:
         yield from map(work, jobs)
         return
-    context = multiprocessing.get_context("spawn")  # engines do not survive a fork
+    context = multiprocessing.get_context("spawn")  # physics engines do not work after a fork
     with concurrent.futures.ProcessPoolExecutor(min(workers, len(jobs)), context) as pool:
         for done in concurrent.futures.as_completed([pool.submit(work, job) for job in jobs]):
             yield done.result()
@@ -217,11 +217,13 @@ def _map(
 def _check_time(gait: WalkGait, step_time: float) -> None:
     least = 2 * MIN_SAMPLES * gait.dt
     if step_time < least - 1e-9:
-        raise ConfigError("--times", f"{step_time:g} s is too short a step; {least:g} s at least")
+        raise ConfigError(
+            "--times", f"{step_time:g} s is too short for a step; use at least {least:g} s"
+        )
 
 
 def _column(job: Job) -> list[Probe]:
-    """Probes of one step time, by bisection between no step at all and one as long as the leg."""
+    """Probes of one step time, by bisection between zero and the leg length."""
     robot, gait, step_time, resolution, engines, servo = job
     probes: list[Probe] = []
     low, high = 0, max(2, math.ceil(min(leg_length(robot), 1.0) / resolution))
@@ -234,7 +236,7 @@ def _column(job: Job) -> list[Probe]:
 
 
 def probe(robot: Robot, gait: WalkGait, engines: tuple[EngineName, ...], servo: ServoName) -> Probe:
-    """Plan, check and replay one walk, as far as it passes."""
+    """Plan, check and replay one walk until a check fails."""
     step_time = round(gait.walk.single_support + gait.walk.double_support, 9)
     step_length = gait.walk.step_length
 
@@ -251,7 +253,7 @@ def probe(robot: Robot, gait: WalkGait, engines: tuple[EngineName, ...], servo: 
     margin = next(check.value for check in checks if check.name == "zmp_margin")
     tilt: float | None = None
     failed = _failed(checks)
-    for engine in sorted(engines):  # mujoco before pybullet: it is the quicker one
+    for engine in sorted(engines):  # mujoco is first, because it is faster
         if failed:
             break
         try:

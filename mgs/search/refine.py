@@ -1,13 +1,13 @@
-"""Refinement: learn from replays where the robot leans away from its plan, and plan against it.
+"""Refinement: correction of a motion by the deviations from the plan that its replays show.
 
-Iterative learning over the motion: what the CoM is off from its plan, seen from the soles that
-carry it, is averaged over the engines, smoothed and taken off the CoM reference in part; inverse
-kinematics makes the next motion. Only slow deviations are learned (`SMOOTH`). Whatever is quicker
-than the robot's own swinging on its servos would be amplified rather than corrected: a robot that
-tips is pushed the wrong way first.
+This is iterative learning over the motion. The deviation of the CoM from its plan, relative to the
+support soles, is averaged over the engines and smoothed, and a part of it is subtracted from the
+CoM reference; inverse kinematics gives the next motion. Only slow deviations are used (`SMOOTH`):
+deviations faster than the oscillation of the robot on its servos would be amplified instead of
+corrected, because a tipping robot is first pushed in the wrong direction.
 
-A motion is kept only if the verdict on it is better in every engine: it stays up longer, fails
-fewer checks or, where it fails the same, tilts less. Else the part is halved and tried again.
+A motion is kept only if its verdict is better in every engine: the robot stays up longer, fails
+fewer checks, or tilts less with the same failed checks. Otherwise the part is halved.
 """
 
 from __future__ import annotations
@@ -33,27 +33,27 @@ from mgs.pipeline import Stages, assemble, run_stages
 from mgs.sim import EngineName, Replay, ServoName, replay
 from mgs.sim.measure import Touchdowns, touchdowns
 
-SMOOTH = 0.2  # [s] standard deviation of the window that a deviation is smoothed with
-BEFORE_FALL = 0.5  # [s] before a fall that nothing is learned from
-LEAST_PART = 0.05  # of a deviation: smaller corrections are not tried
-LEAST_LOAD = 0.2  # of the weight, for there to be a ZMP
+SMOOTH = 0.2  # [s] standard deviation of the smoothing window
+BEFORE_FALL = 0.5  # [s] time before a fall whose deviations are ignored
+LEAST_PART = 0.05  # least part of the deviation that is tried
+LEAST_LOAD = 0.2  # least load on the soles for a defined ZMP, as part of the weight
 
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """One motion and what it did in one engine; smaller is better."""
+    """Results of one motion in one engine; smaller values are better."""
 
     engine: EngineName
-    fall_time: float | None  # [s]; None: it stays up
-    failed: tuple[str, ...]  # checks of the replay
-    tilt_rms_deg: float  # of the torso against the plan
-    com_rms: float  # deviation of the CoM from the plan [m]
-    zmp_rms: float  # of the ZMP, smoothed like the CoM's [m]
+    fall_time: float | None  # time of the fall [s]; None if the robot stays up
+    failed: tuple[str, ...]  # names of the failed checks of the replay
+    tilt_rms_deg: float  # tilt of the torso relative to the plan, RMS [deg]
+    com_rms: float  # deviation of the CoM from the plan, RMS [m]
+    zmp_rms: float  # deviation of the ZMP from the plan, smoothed, RMS [m]
     touchdown: Touchdowns
 
     @property
     def score(self) -> tuple[float, int, float]:
-        """How soon it falls, failed checks, tilt."""
+        """Score for comparison: time of the fall, number of failed checks, tilt."""
         standing = np.inf if self.fall_time is None else self.fall_time
         return -standing, len(self.failed), self.tilt_rms_deg
 
@@ -64,12 +64,12 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """One correction: the part of the deviations taken, its trials, and whether it was kept."""
+    """One correction: its part of the deviation, its trials, and whether it was kept."""
 
     part: float
     trials: tuple[Trial, ...]
     kept: bool
-    reason: str  # why not
+    reason: str  # reason of the rejection
 
     def to_dict(self) -> dict[str, object]:
         """Plain data."""
@@ -79,7 +79,7 @@ class Attempt:
 
 @dataclass(frozen=True, eq=False)
 class Refinement:
-    """The best motion, the trials of the first one and all attempts."""
+    """Best motion, trials of the first motion, and all attempts."""
 
     motion: Motion
     before: tuple[Trial, ...]
@@ -87,7 +87,7 @@ class Refinement:
 
     @property
     def improved(self) -> bool:
-        """Whether any correction was kept."""
+        """True if a correction was kept."""
         return any(attempt.kept for attempt in self.attempts)
 
     @property
@@ -106,25 +106,25 @@ def refine(
     part: float = 0.4,
     progress: Progress | None = None,
 ) -> Refinement:
-    """Correct the CoM reference of a motion by what replays show, as long as verdicts get better.
+    """Correct the CoM reference of a motion by its replays, as long as the verdicts improve.
 
     Args:
-        motion: a motion of the pipeline, refined before or not.
-        engines: whose verdicts count.
+        motion: motion of the pipeline; it may have been refined before.
+        engines: engines whose verdicts are used.
         servo: "model" or "ideal".
         feed_forward: see `mgs.sim.replay`.
-        attempts: corrections tried at most.
-        part: of a deviation that the first correction takes off.
-        progress: called with replays done and replays that there may be.
+        attempts: largest number of corrections.
+        part: part of the deviation that the first correction removes.
+        progress: function that is called with the number of finished and of possible replays.
 
     Raises:
         ConfigError: the motion is a sequence.
         SimulationError: an engine is missing, or a simulation diverged.
-        InfeasibleGaitError: the motion's own gait can no longer be generated.
+        InfeasibleGaitError: the gait of the motion can no longer be generated.
     """
     if isinstance(motion.gait, SequenceGait):
         raise ConfigError(
-            motion.gait_name, "a sequence is not refined as a whole; refine its parts one by one"
+            motion.gait_name, "a sequence cannot be refined as a whole; refine its parts one by one"
         )
     stages = run_stages(motion.robot, motion.gait, motion.gait_name)
     com = _shifted(stages.com, motion.com_ref - stages.com.position, motion.dt)
@@ -159,7 +159,7 @@ def refine(
         now, next_deviation = judge(candidate)
         reason = _why_not(trials, now)
         if not reason and _n_failed(candidate) > n_static:
-            reason = "fails more checks without any physics"
+            reason = "fails more static checks"
         tried.append(Attempt(part, now, not reason, reason))
         if reason:
             part *= 0.5
@@ -181,7 +181,7 @@ def _motion_of(stages: Stages, com: ComTrajectory) -> Motion:
 
 
 def _shifted(com: ComTrajectory, shift: Array, dt: float) -> ComTrajectory:
-    """The CoM motion displaced by shift (N, 3) [m], whose rates are central differences."""
+    """CoM motion displaced by shift (N, 3) [m], whose derivatives are central differences."""
     velocity = np.gradient(shift, dt, axis=0)
     return dataclasses.replace(
         com,
@@ -192,7 +192,7 @@ def _shifted(com: ComTrajectory, shift: Array, dt: float) -> ComTrajectory:
 
 
 def _trial(motion: Motion, load_left: Array, result: Replay) -> tuple[Trial, Array]:
-    """Figures of one replay, and the smoothed deviation (N, 2) of the CoM [m]."""
+    """Results of one replay, and the smoothed deviation (N, 2) of the CoM [m]."""
     trace, dt, n = result.trace, motion.dt, motion.n_samples
     end = min(n, len(trace.t))
     if result.fall_time is not None:
@@ -206,7 +206,7 @@ def _trial(motion: Motion, load_left: Array, result: Replay) -> tuple[Trial, Arr
     model, data = motion.robot.model, motion.robot.model.createData()
     com = np.array([pin.centerOfMass(model, data, q)[:2].copy() for q in trace.q[span]])
     off = (com - place(trace.soles)) - (motion.com[span, :2] - place(motion.soles))
-    off -= off[0]  # what the robot stands off at rest is its posture, not the motion
+    off -= off[0]  # the deviation at rest belongs to the posture, not to the motion
     deviation = np.zeros((n, 2))
     deviation[span] = off
     load = trace.contacts[span, :, 2].sum(axis=1)
@@ -227,7 +227,7 @@ def _trial(motion: Motion, load_left: Array, result: Replay) -> tuple[Trial, Arr
 
 
 def _why_not(old: tuple[Trial, ...], new: tuple[Trial, ...]) -> str:
-    """Empty if every engine's verdict is better."""
+    """Reason for a rejection; empty if the verdicts of all engines are better."""
     worse = [b.engine for a, b in zip(old, new, strict=True) if not b.score < a.score]
     return f"no better in {' and '.join(worse)}" if worse else ""
 

@@ -60,7 +60,7 @@ def test_an_envelope_without_any_walk_says_so(tmp_path: Path):
             2,
             "--times: 'nan' is not a list of step times; give 1 to 100",
         ),
-        (("--times", "0.05"), 2, "--times: 0.05 s is too short a step; 0.1 s at least"),
+        (("--times", "0.05"), 2, "--times: 0.05 s is too short for a step; use at least 0.1 s"),
         (("--resolution", "nan"), 2, "not a finite number"),
         (
             ("--physics", "none"),

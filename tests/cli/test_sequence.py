@@ -77,7 +77,7 @@ def test_a_replay_and_a_random_draw_work(folder: Path):
 def test_refine_refuses_sequences(folder: Path):
     result = run("refine", folder / "a.mcap", "--physics", "mujoco")
     assert (result.exit_code, result.stdout) == (2, "")
-    assert "a sequence is not refined as a whole" in result.stderr
+    assert "a sequence cannot be refined as a whole" in result.stderr
 
 
 def test_a_wrong_part_is_named_and_nothing_is_written(folder: Path, tmp_path: Path):

@@ -1,4 +1,4 @@
-"""The experiments of Faraji and Ijspeert: what they claim, by id."""
+"""Tests of the experiments of Faraji and Ijspeert: claims by id."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_every_task_has_a_claim_that_holds(found: tuple[dict[str, Claim], Path])
     assert set(TASKS) <= held
 
 
-def test_what_rests_on_another_solver_is_not_applicable_and_says_why(
+def test_claims_that_depend_on_another_solver_are_not_applicable_with_a_reason(
     found: tuple[dict[str, Claim], Path],
 ):
     aside = {c.id: c.note for c in found[0].values() if c.holds == "not applicable"}
@@ -39,7 +39,7 @@ def test_what_rests_on_another_solver_is_not_applicable_and_says_why(
     assert all("SNOPT" in note or "solver" in note for note in aside.values())
 
 
-def test_no_bounded_run_leaves_limits_or_region(found: tuple[dict[str, Claim], Path]):
+def test_no_bounded_run_violates_limits_or_region(found: tuple[dict[str, Claim], Path]):
     assert found[0]["region"].values["worst"] <= 1e-9
 
 
@@ -76,7 +76,7 @@ def test_z_max_is_the_height_with_straight_legs():
     assert height == pytest.approx(Z_MAX, abs=5e-5)
 
 
-def test_the_slow_twist_is_the_twist_slowed_down():
+def test_the_slow_twist_is_the_twist_at_a_tenth_of_the_speed():
     fast, slow = gait_of(Key("twist", "ik4")), gait_of(Key("twist", "ik4", variant="slow"))
     for a, b in zip(fast.balance.channels, slow.balance.channels, strict=True):
         assert a.frequency == pytest.approx(10.0 * b.frequency)

@@ -38,7 +38,7 @@ def claims(study: Study) -> dict[str, Claim]:
 
 
 def energy(robot: Robot, joints: Array, side: Side, sole: Array) -> Array:
-    """Potential energy (m,) [J] of joint angles (m, n) with a sole (7,) held still.
+    """Potential energy (m,) [J] at joint angles (m, n) with a fixed sole (7,).
 
     Floating-base kinematics only; no support tree.
     """
@@ -77,7 +77,7 @@ def test_gravity_cost_is_half_the_sum_of_squares() -> None:
 
 
 @pytest.mark.parametrize("joint", ["hip_roll", "knee_pitch"])
-def test_torque_claims_hold_by_potential_energy_alone(
+def test_torque_claims_hold_by_potential_energy(
     study: Study, claims: dict[str, Claim], joint: str
 ) -> None:
     index = study.robot.joint_names.index(f"left_{joint}")
@@ -108,7 +108,7 @@ def test_the_mean_cost_falls_by_a_tenth(study: Study, claims: dict[str, Claim]) 
 
 
 def test_the_ankle_torque_follows_from_the_com_alone(study: Study) -> None:
-    """Tau = (c - ankle) x M g about the ankle's axis; the support foot itself is no load."""
+    """Tau = (c - ankle) x M g about the ankle axis; the support foot itself is not a load."""
     robot, stages = study.robot, study.scenarios["S3"]
     data, joint = robot.model.createData(), robot.model.getJointId("left_ankle_roll")
     foot = robot.model.inertias[joint]
@@ -143,7 +143,7 @@ def test_drift_claims_measure_the_last_ten_steps(study: Study, claims: dict[str,
     assert moved["gamma_joint 0"] > 10.0 * moved["gamma_joint 1"]
 
 
-def test_runs_meet_one_and_the_same_task(study: Study, claims: dict[str, Claim]) -> None:
+def test_all_runs_meet_the_same_task(study: Study, claims: dict[str, Claim]) -> None:
     assert claims["same_task"].holds is True and claims["task_met"].holds is True
     for stages in (*study.scenarios.values(), *study.drift.values()):
         position, rotation = tracking_errors(stages)
@@ -152,7 +152,7 @@ def test_runs_meet_one_and_the_same_task(study: Study, claims: dict[str, Claim])
     assert not is_same_task(study.scenarios["S1"], other)
 
 
-def test_tracking_errors_see_a_hand_that_is_off(study: Study) -> None:
+def test_tracking_errors_include_the_hands(study: Study) -> None:
     stages = study.scenarios["S1"]
     hands = stages.motion.hands.copy()
     hands[700, 1, 2] += 0.003
@@ -163,7 +163,7 @@ def test_tracking_errors_see_a_hand_that_is_off(study: Study) -> None:
     assert task_claims(dataclasses.replace(study, scenarios=broken))[1].holds is False
 
 
-def test_claims_fail_where_the_figures_say_so(study: Study) -> None:
+def test_claims_fail_if_the_values_contradict_them(study: Study) -> None:
     swapped = {"S1": study.torques["S3"], "S2": study.torques["S2"], "S3": study.torques["S1"]}
     worse = torque_claims(dataclasses.replace(study, torques=swapped))
     assert [claim.holds for claim in worse] == [False] * 4
@@ -173,10 +173,10 @@ def test_claims_fail_where_the_figures_say_so(study: Study) -> None:
     assert stopped.holds is False and without.holds is False
 
 
-def test_the_hip_roll_position_claim_tells_both_windows(
+def test_the_hip_roll_position_claim_reports_both_windows(
     study: Study, claims: dict[str, Claim]
 ) -> None:
-    """The paper's rise shows over the whole motion, not against S1 in left single support."""
+    """The increase stated in the article occurs over the whole motion, not in single support."""
     claim = claims["left_hip_roll_position_peak"]
     index = study.robot.joint_names.index("left_hip_roll")
     angles = {k: np.degrees(s.joints.angles[:, index]) for k, s in study.scenarios.items()}

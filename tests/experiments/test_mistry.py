@@ -1,4 +1,4 @@
-"""The experiments of Mistry et al.: what they claim, by id."""
+"""Tests of the experiments of Mistry et al.: claims by id."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ def test_the_hand_is_met_by_the_tracking_form_only(found: tuple[dict[str, Claim]
     assert hand["prioritized projected"] > 0.01
 
 
-def test_feedback_is_what_keeps_the_soles(found: tuple[dict[str, Claim], Path]):
+def test_without_feedback_the_soles_drift(found: tuple[dict[str, Claim], Path]):
     drift = found[0]["sway_drift"].values
     assert drift["no feedback"] > 10.0 * drift["prioritized tracking"]
 
 
-def test_handover_takes_the_jump_away(found: tuple[dict[str, Claim], Path]):
+def test_the_handover_removes_the_jump(found: tuple[dict[str, Claim], Path]):
     values = found[0]["walk_handover"].values
     assert values["no handover"] > 5.0 * values["switch"]
 

@@ -58,7 +58,7 @@ def test_poles_of_the_loop_are_those_of_the_lq_problem() -> None:
     np.testing.assert_allclose(np.poly(found), np.poly(expected), atol=1e-9)
 
 
-def test_the_simulated_loop_is_the_law_run_sample_by_sample() -> None:
+def test_the_simulated_loop_equals_the_control_law_sample_by_sample() -> None:
     g = preview_gains(0.01, 0.27, 1.6, 1.0, 1e-6)
     zmp_ref = step_reference(200, 100, 0.05)
     x, s, zmp = np.zeros(3), 0.0, np.empty(300)
@@ -70,7 +70,7 @@ def test_the_simulated_loop_is_the_law_run_sample_by_sample() -> None:
     np.testing.assert_allclose(simulate(SERVO, zmp_ref), zmp, atol=1e-12)
 
 
-def test_the_recursion_needs_no_more_than_the_weights() -> None:
+def test_the_recursion_needs_only_the_weights() -> None:
     heavier = dataclasses.replace(SERVO, parameters=ComParameters(weight_jerk=1e-4))
     assert iterated_feedback(heavier)[0] < iterated_feedback(SERVO)[0]  # lazier
     np.testing.assert_allclose(iterated_feedback(heavier), heavier.feedback, rtol=1e-6)
@@ -91,14 +91,14 @@ def test_the_error_on_fast_steps_is_a_root_mean_square(study: Study) -> None:
     assert weight_claim(wrong).holds is False
 
 
-def test_the_window_of_fast_steps_holds_every_step_and_no_rest(study: Study) -> None:
+def test_the_window_of_fast_steps_contains_all_steps_and_no_rest(study: Study) -> None:
     window = stepping(study)
     moving = np.any(np.diff(study.fast.zmp_ref, axis=0) != 0.0, axis=1)
     assert not moving[~(window[1:] | window[:-1])].any()
     assert window.sum() * study.fast.dt == pytest.approx(10 * 0.5 + 0.1, abs=0.02)
 
 
-def test_the_step_figure_shows_the_answer(study: Study) -> None:
+def test_the_step_figure_shows_the_response(study: Study) -> None:
     axes = plot_step(study).axes[0]
     zmp = next(line for line in axes.get_lines() if line.get_label() == "ZMP")
     np.testing.assert_allclose(np.asarray(zmp.get_ydata()), 1e3 * study.answers[SOFT])

@@ -35,7 +35,7 @@ def test_a_png_has_the_size_of_its_figure(tmp_path: Path, few_colours: bool) -> 
     assert image[..., :3].std() > 0.05  # not a blank page
 
 
-def test_nothing_is_written_when_one_file_is_in_the_way(tmp_path: Path) -> None:
+def test_nothing_is_written_if_one_file_exists(tmp_path: Path) -> None:
     (tmp_path / "b.png").write_text("mine")
     figures = {"a": a_figure(), "b": a_figure()}
     with pytest.raises(OutputExistsError, match=r"b\.png"):
@@ -46,7 +46,7 @@ def test_nothing_is_written_when_one_file_is_in_the_way(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.png", "b.png"]
 
 
-def test_a_folder_that_cannot_be_made_is_an_error_of_ours(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_created_is_an_mgs_error(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(MgsError, match="cannot be written"):
         save_figures({"a": a_figure()}, tmp_path / "file" / "folder")
@@ -72,6 +72,6 @@ def test_a_failed_write_leaves_nothing_behind(
         ("mgs.experiments", "control"),
     ],
 )
-def test_importing_stays_light(module: str, absent: str) -> None:
+def test_imports_exclude_slow_or_stateful_modules(module: str, absent: str) -> None:
     code = f"import {module}, sys; sys.exit({absent!r} in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -39,7 +39,7 @@ def motion(walk_5cm: Stages) -> Motion:
 
 
 def lines(axes: Axes) -> dict[str, Array]:
-    """Curves (N, 2) of axes by label."""
+    """Curves (N, 2) in axes by label."""
     return {str(line.get_label()): np.asarray(line.get_xydata()) for line in axes.get_lines()}
 
 
@@ -68,7 +68,7 @@ def test_the_view_from_above_shows_the_motion(motion: Motion) -> None:
     assert sorted(text.get_text() for text in axes.texts) == ["0", "0", "1", "2"]
 
 
-def test_drawn_footsteps_are_where_the_soles_come_to_rest(motion: Motion) -> None:
+def test_drawn_footsteps_have_the_final_positions_of_the_soles(motion: Motion) -> None:
     final = footstep_corners(motion)
     for side in Side:
         spec, pose = motion.robot.sole_spec(side), motion.soles[-1, side]
@@ -87,7 +87,7 @@ def test_balance_shows_the_motion_of_each_axis(motion: Motion) -> None:
         assert axes.get_xlim() == (0.0, motion.duration)
 
 
-def test_the_zmp_is_within_its_bounds_exactly_where_it_is_inside_the_polygon() -> None:
+def test_the_zmp_is_within_its_bounds_if_and_only_if_it_is_inside_the_polygon() -> None:
     rng = np.random.default_rng(5)
     for _ in range(50):
         polygon = convex_hull(rng.normal(size=(rng.integers(3, 9), 2)))
@@ -100,13 +100,13 @@ def test_the_zmp_is_within_its_bounds_exactly_where_it_is_inside_the_polygon() -
             np.testing.assert_array_equal(within, inside)
 
 
-def test_a_cut_along_an_edge_is_the_edge() -> None:
+def test_a_section_along_an_edge_is_the_edge() -> None:
     square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
     np.testing.assert_allclose(section(square, np.array([0.0, 0.5, 1.0, 7.0]), 0), [[0.0, 2.0]] * 4)
     np.testing.assert_allclose(section(square, np.array([-3.0, 1.0]), 1), [[0.0, 1.0]] * 2)
 
 
-def test_bounds_in_single_support_are_those_of_the_one_sole(motion: Motion) -> None:
+def test_bounds_in_single_support_are_those_of_the_support_sole(motion: Motion) -> None:
     k = int(np.flatnonzero(motion.support == 1)[10])
     sole, spec = motion.soles[k, Side.LEFT], motion.robot.sole_spec(Side.LEFT)
     x, y = support_bounds(motion)[k]
@@ -114,7 +114,7 @@ def test_bounds_in_single_support_are_those_of_the_one_sole(motion: Motion) -> N
     np.testing.assert_allclose(y, sole[1] + 0.5 * spec.width * np.array([-1, 1]), atol=1e-5)
 
 
-def test_joint_sets_hold_every_joint_once_and_pair_the_sides(melson: Robot) -> None:
+def test_joint_sets_contain_every_joint_once_and_pair_the_sides(melson: Robot) -> None:
     sets = joint_sets(melson)
     indices = [i for joints in sets for _, i in joints.joints]
     assert sorted(indices) == list(range(melson.n))
@@ -198,7 +198,7 @@ def test_position_limits_are_drawn_in_the_colours_of_their_joints(motion: Motion
             assert drawn[level] == (INK if alone is None else SIDE_COLOURS[alone])
 
 
-def test_torque_limits_appear_where_they_are_near(motion: Motion) -> None:
+def test_torque_limits_are_drawn_if_the_torques_are_close_to_them(motion: Motion) -> None:
     for joints, axes in panels(motion, plot_torques(motion).axes):
         peak = max(np.abs(motion.torque[:, i]).max() for _, i in joints.joints)
         limit = motion.robot.torque_limit[joints.joints[0][1]]
@@ -207,7 +207,7 @@ def test_torque_limits_appear_where_they_are_near(motion: Motion) -> None:
         assert f"peak {100 * peak / limit:.0f} %" in axes.get_title(loc="right")
 
 
-def test_long_walks_do_not_number_every_step(motion: Motion) -> None:
+def test_footsteps_of_long_walks_are_not_all_numbered(motion: Motion) -> None:
     long = dataclasses.replace(
         motion,
         footsteps=tuple(itertools.islice(itertools.cycle(motion.footsteps), 200)),
@@ -215,7 +215,7 @@ def test_long_walks_do_not_number_every_step(motion: Motion) -> None:
     assert len(plot_above(long).axes[0].texts) <= 40
 
 
-def test_very_long_walks_are_stretched_and_say_so(motion: Motion) -> None:
+def test_very_long_walks_have_different_scales_and_a_note(motion: Motion) -> None:
     first, last = motion.footsteps[0], motion.footsteps[-1]
     far = dataclasses.replace(motion, footsteps=(first, dataclasses.replace(last, x=10.0)))
     axes = plot_above(far).axes[0]

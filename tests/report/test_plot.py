@@ -1,4 +1,4 @@
-"""mgs.plot and figures in a notebook: PNGs without pyplot, files as `mgs plot` writes them."""
+"""Tests of mgs.plot and figures in a notebook: PNGs without pyplot, files as by `mgs plot`."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ def test_figures_are_saved_as_the_command_writes_them(motion: Motion, tmp_path: 
         plot(motion, "above").save(tmp_path / "ours")
 
 
-def test_single_plots_are_asked_for_by_name(motion: Motion):
+def test_single_plots_are_selected_by_name(motion: Motion):
     assert list(plot(motion, "above")) == ["above"]
     assert list(plot(motion, ["joint_torques", "balance"])) == ["joint_torques", "balance"]
     with pytest.raises(ConfigError, match=r"names: 'below' is not a plot; use above, balance"):
         plot(motion, "below")
 
 
-def test_a_page_holds_every_figure_as_it_shows_itself(motion: Motion):
+def test_the_html_contains_every_figure(motion: Motion):
     figures = plot(motion, ["above", "balance"])
     assert repr(figures) == "<Figures: above, balance>"
     images = re.findall(
@@ -60,7 +60,7 @@ def test_a_page_holds_every_figure_as_it_shows_itself(motion: Motion):
         assert pixels(shown).std() > 10.0  # no empty page
 
 
-def test_the_picture_of_a_motion_is_its_strip(motion: Motion, tmp_path: Path):
+def test_the_picture_of_a_motion_is_its_picture_strip(motion: Motion, tmp_path: Path):
     expected = write_picture(motion, tmp_path / "strip.png").read_bytes()
     assert motion._repr_png_() == expected
     strip = picture_strip(motion)
@@ -77,7 +77,7 @@ def test_without_matplotlib_a_notebook_shows_the_repr_of_a_motion():
     assert (done.returncode, done.stdout) == (0, "None\n"), done.stderr
 
 
-def test_looking_at_figures_neither_opens_pyplot_nor_chooses_a_backend(tmp_path: Path):
+def test_displaying_figures_neither_imports_pyplot_nor_selects_a_backend(tmp_path: Path):
     code = (
         "import sys, mgs; m = mgs.generate('melson', 'melson/bow'); m._repr_png_(); "
         "mgs.plot(m)._repr_html_(); print('matplotlib.pyplot' in sys.modules)"

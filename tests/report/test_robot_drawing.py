@@ -25,14 +25,14 @@ def test_views_are_right_handed_frames(angles: tuple[float, float]) -> None:
     assert np.linalg.det(axes) == pytest.approx(1.0)
 
 
-def test_front_and_side_show_what_their_names_say() -> None:
+def test_front_and_side_views_have_the_right_directions() -> None:
     forward, left, up = np.eye(3)
     np.testing.assert_allclose(FRONT.project(left), [1.0, 0.0], atol=1e-12)  # his left, our right
     np.testing.assert_allclose(RIGHT_SIDE.project(forward), [1.0, 0.0], atol=1e-12)
     np.testing.assert_allclose(RIGHT_SIDE.project(up), [0.0, 1.0], atol=1e-12)
 
 
-def test_drawn_boxes_have_the_robots_size_and_stand_on_the_ground(melson: Robot) -> None:
+def test_drawn_boxes_have_the_size_of_the_robot_and_stand_on_the_ground(melson: Robot) -> None:
     upright = melson.standing_q.copy()
     upright[7:] = 0.0
     z = box_corners(melson, upright)[..., 2]
@@ -40,7 +40,7 @@ def test_drawn_boxes_have_the_robots_size_and_stand_on_the_ground(melson: Robot)
     assert box_corners(melson, melson.standing_q)[..., 2].min() == pytest.approx(0.0, abs=1e-6)
 
 
-def test_limbs_wear_the_colour_of_their_side(melson: Robot) -> None:
+def test_limbs_have_the_colour_of_their_side(melson: Robot) -> None:
     axes = new_figure(2.0, 2.0).subplots()
     draw_robot(axes, melson, melson.standing_q, FRONT)
     (drawn,) = axes.collections
@@ -58,7 +58,7 @@ def test_limbs_wear_the_colour_of_their_side(melson: Robot) -> None:
         assert np.all(side.sign * x[chosen] > 0.0)
 
 
-def test_a_ghost_is_an_outline(melson: Robot) -> None:
+def test_a_ghost_is_drawn_as_an_outline(melson: Robot) -> None:
     axes = new_figure(2.0, 2.0).subplots()
     draw_robot(axes, melson, melson.standing_q, FRONT, ghost=True)
     assert len(np.asarray(axes.collections[0].get_facecolor())) == 0
@@ -74,7 +74,7 @@ def test_poses_fit_into_their_axes(melson: Robot) -> None:
         assert axes.get_ylim()[0] <= low[1] and high[1] <= axes.get_ylim()[1]
 
 
-def test_the_strip_shows_rest_and_the_middle_of_steps(walk_5cm: Stages) -> None:
+def test_the_strip_shows_rest_and_the_middles_of_steps(walk_5cm: Stages) -> None:
     motion = walk_5cm.motion
     samples = pose_samples(motion, 8)
     assert samples == [0, 420, 780, 1200]  # 3.0 + 1.2 s and 6.6 + 1.2 s

@@ -1,4 +1,4 @@
-"""Speed envelope: steps in whole samples, bisection, and what its fastest walk is worth."""
+"""Tests of the speed envelope: steps in whole samples, bisection, fastest walk."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def envelope_of(*probes: Probe) -> Envelope:
     return Envelope(WALK, 0.25, ("mujoco",), "ideal", 0.01, probes)
 
 
-def test_a_leg_is_as_long_as_its_links(melson: Robot):
-    """Oracle: heights in the URDF's zero posture, where the legs hang straight down."""
+def test_the_leg_length_is_the_sum_of_its_links(melson: Robot):
+    """Oracle: heights in the zero posture of the URDF, in which the legs are straight."""
     import numpy as np
     import pinocchio as pin
 
@@ -49,7 +49,7 @@ def test_a_leg_is_as_long_as_its_links(melson: Robot):
 
 
 @given(st.floats(0.12, 2.0), st.floats(0.0, 0.3))
-def test_steps_have_the_duration_and_length_asked_for(time: float, length: float):
+def test_steps_have_the_given_duration_and_length(time: float, length: float):
     time = round(time, 2)
     walk = with_step(WALK, time, length).walk
     assert walk.step_length == length
@@ -61,7 +61,7 @@ def test_steps_have_the_duration_and_length_asked_for(time: float, length: float
         assert abs(walk.single_support - 0.8 * time) <= 0.5 * WALK.dt + 1e-9
 
 
-def test_only_the_steps_are_changed():
+def test_no_other_values_of_the_gait_change():
     assert with_step(WALK, 1.0, 0.0) == WALK
     other = with_step(WALK, 0.5, 0.05)
     assert other.com == WALK.com
@@ -79,7 +79,7 @@ def test_step_times_grow_with_the_root_of_the_leg():
 @settings(max_examples=20)
 @given(longest=st.integers(0, 40))
 def test_bisection_finds_the_longest_step_with_few_probes(longest: int):
-    """Oracle: the threshold that the probes are told to have."""
+    """Oracle: the threshold from which on the simulated probes fail."""
     asked = []
 
     def fake(robot: Robot, gait, engines, servo) -> Probe:
@@ -98,7 +98,7 @@ def test_bisection_finds_the_longest_step_with_few_probes(longest: int):
     assert len(set(asked)) == len(asked)
 
 
-def test_the_fastest_is_the_fastest_that_passes():
+def test_the_fastest_walk_is_the_fastest_that_passes():
     slow, quick = probe_of(1.0, 0.10), probe_of(0.5, 0.08)
     found = envelope_of(slow, quick, probe_of(0.5, 0.2, "mujoco_upright"), probe_of(0.3, 0.1, "x"))
     assert found.fastest == quick
@@ -111,7 +111,7 @@ def test_the_fastest_is_the_fastest_that_passes():
     assert envelope_of(probe_of(0.5, 0.1, "x")).fastest_gait() is None
 
 
-def test_progress_and_what_is_kept_grow_with_every_step_time(monkeypatch: pytest.MonkeyPatch):
+def test_progress_and_kept_results_grow_with_every_step_time(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(
         envelope, "probe", lambda robot, gait, engines, servo: probe_of(
             gait.walk.single_support + gait.walk.double_support, gait.walk.step_length, "x"
@@ -127,11 +127,11 @@ def test_progress_and_what_is_kept_grow_with_every_step_time(monkeypatch: pytest
 
 
 def test_a_step_time_without_room_for_a_phase_is_refused():
-    with pytest.raises(ConfigError, match=r"--times: 0\.08 s is too short a step; 0\.1 s at least"):
+    with pytest.raises(ConfigError, match=r"--times: 0\.08 s is too short for a step"):
         find_envelope(MELSON, WALK, [0.08], resolution=0.1, engines=("mujoco",))
 
 
-def test_a_probe_says_what_stops_it():
+def test_a_probe_names_its_failed_checks():
     pytest.importorskip("mujoco")
     walk = with_step(WALK, 0.6, 0.04)
     short = walk.model_copy(update={"walk": walk.walk.model_copy(update={"n_steps": 2})})
@@ -151,7 +151,7 @@ def test_a_probe_says_what_stops_it():
     assert hasty.max_tilt_deg is None  # what the servos cannot do is not replayed
 
 
-def test_workers_change_nothing():
+def test_the_number_of_workers_does_not_change_the_result():
     pytest.importorskip("mujoco")
     short = with_step(WALK, 0.6, 0.04)
     short = short.model_copy(update={"walk": short.walk.model_copy(update={"n_steps": 2})})
@@ -167,19 +167,19 @@ def test_workers_change_nothing():
     assert json.loads(json.dumps(found[0].to_dict(), allow_nan=False))["robot"] == "melson"
 
 
-def test_the_map_shows_every_probe_near_what_passes():
+def test_the_map_shows_every_probe_near_the_limit():
     found = envelope_of(
         probe_of(0.5, 0.08), probe_of(0.5, 0.1, "mujoco_upright"), probe_of(0.7, 0.1),
         probe_of(0.7, 0.12, "joint_speed"), probe_of(0.9, 0.1, "IkError"),
     )  # fmt: skip
     (axes,) = plot_envelope(found).axes
     labels = axes.get_legend_handles_labels()[1]
-    for text in ("passes", "falls", "servo too slow or weak", "fastest: 0.16 m/s"):
+    for text in ("passes", "falls", "servo speed or torque too low", "fastest: 0.16 m/s"):
         assert any(text in label for label in labels), text
     shown = {tuple(map(float, xy)) for line in axes.lines for xy in line.get_xydata()}
     assert {(0.5, 0.08), (0.5, 0.1), (0.7, 0.1), (0.7, 0.12)} <= shown
 
 
-def test_a_map_of_nothing_that_passes_can_be_drawn():
+def test_a_map_without_a_passing_walk_can_be_drawn():
     (axes,) = plot_envelope(envelope_of(probe_of(0.5, 0.1, "IkError"))).axes
     assert axes.lines

@@ -1,8 +1,9 @@
-"""Refinement: touchdowns as they were, corrections that are kept or dropped, and one that helps."""
+"""Tests of refinement: touchdown times, acceptance of corrections, and a correction that helps."""
 
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -34,7 +35,7 @@ def short_walk(melson: Robot) -> Motion:
 
 
 def steps(*offsets: int) -> tuple[np.ndarray, np.ndarray]:
-    """Contacts and planned support of steps of 40 samples in turn, landing so many samples late."""
+    """Contacts and planned support of alternating steps of 40 samples with given delays."""
     support = [Support.DOUBLE] * 20
     loads = [[0.5, 0.5]] * 20
     for i, late in enumerate(offsets):
@@ -50,13 +51,13 @@ def steps(*offsets: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("late", [(0, 0, 0), (3, -2, 0), (-10, 5, 7), (0, 15, -15)])
-def test_touchdowns_are_found_where_they_were_made(late: tuple[int, ...]):
+def test_touchdowns_have_their_simulated_delays(late: tuple[int, ...]):
     found = touchdowns(*steps(*late), DT)
     assert found.n == len(late)
     assert_allclose([found.earliest, found.latest], [DT * min(late), DT * max(late)], atol=1e-12)
 
 
-def test_a_sole_that_never_lands_is_as_late_as_can_be():
+def test_a_sole_that_never_lands_has_the_largest_delay():
     contacts, support = steps(0, 0, 0)
     contacts[:, 1] = [0.0, 0.0, 0.0, 0.0, 0.0]
     found = touchdowns(contacts, support, DT)
@@ -71,7 +72,7 @@ def trial(engine: str, tilt: float, fall_time: float | None = None, *failed: str
     return Trial(engine, fall_time, failed, tilt, 0.0, 0.0, Touchdowns(0))  # type: ignore[arg-type]
 
 
-def test_scores_put_standing_before_checks_before_tilt():
+def test_scores_compare_falls_then_checks_then_tilt():
     worst_first = [
         trial("mujoco", 1.0, 2.0),
         trial("mujoco", 9.0, 5.0),
@@ -126,7 +127,7 @@ def test_a_correction_is_kept_if_it_is_better_in_every_engine(
         assert found.after is found.before
 
 
-def test_a_refined_motion_says_so_and_can_be_refined_again(
+def test_a_refined_motion_is_marked_and_can_be_refined_again(
     short_walk: Motion, monkeypatch: pytest.MonkeyPatch, tmp_path
 ):
     told = iter([2.0, 1.0, 1.0, 0.5])
@@ -137,7 +138,8 @@ def test_a_refined_motion_says_so_and_can_be_refined_again(
     monkeypatch.setattr(mgs.search.refine, "replay", lambda motion, engine, **_: engine)
     monkeypatch.setattr(mgs.search.refine, "_trial", fake)
     once = refine(short_walk, ("mujoco",), attempts=1).motion
-    assert once.solver["refined"] == {"parts": [0.4], "engines": ["mujoco"]}
+    assert once.provenance.refined is not None
+    assert asdict(once.provenance.refined) == {"parts": (0.4,), "engines": ("mujoco",)}
     write_motion(once, tmp_path / "once.mcap")
     again = refine(read_motion(tmp_path / "once.mcap"), ("mujoco",), attempts=1).motion
     middle = short_walk.n_samples // 2
@@ -145,8 +147,8 @@ def test_a_refined_motion_says_so_and_can_be_refined_again(
     assert_allclose(shift, [-0.8e-4, -0.8e-4, 0.0], atol=1e-9)
 
 
-def test_deviations_are_seen_from_the_soles_that_carry(short_walk: Motion):
-    """A robot that is planned 3 mm beside where it is: the CoM's deviation is just that."""
+def test_deviations_are_relative_to_the_support_soles(short_walk: Motion):
+    """The plan is displaced by 3 mm, so that the deviation of the CoM is 3 mm."""
     pytest.importorskip("mujoco")
     result = replay(short_walk, "mujoco")
     tasks = run_stages(short_walk.robot, short_walk.gait).tasks
@@ -162,7 +164,7 @@ def test_deviations_are_seen_from_the_soles_that_carry(short_walk: Motion):
 
 
 @pytest.mark.slow
-def test_without_feed_forward_a_walk_that_fails_is_made_to_pass_in_both_engines(melson: Robot):
+def test_refinement_makes_a_failing_walk_without_feed_forward_pass_in_both_engines(melson: Robot):
     for name in ("pybullet", "mujoco"):
         pytest.importorskip(name)
     motion = run_stages(melson, load_gait("melson/walk_practical"), "walk_practical").motion

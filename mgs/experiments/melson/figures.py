@@ -87,7 +87,7 @@ def plot_drift(study: Study) -> Figure:
                 tuple(samples),
                 "angle [deg]",
                 f"{title} at the start of left single supports",
-                note=f"gamma_joint 1 settles at {settled[-1]:.2f} deg; first sample outside the axes",
+                note=f"gamma_joint 1 settles at {settled[-1]:.2f} deg; first sample outside axes",
                 xlabel="number of steps",
                 ylim=(float(bounds.min()) - margin, float(bounds.max()) + margin),
             ),
