@@ -1,11 +1,4 @@
-"""Trajectories of a walk or a kick: soles, hands, torso, ZMP and CoM height.
-
-The ZMP rests at one place inside the support sole and moves to the next sole by a minimum-jerk
-blend while both soles are down. A swing sole follows the same blend along the ground and a bump of
-step_height above it, so that it lifts off and lands without speed or acceleration. With a landing
-it arrives above its footstep earlier and comes straight down at the end, by a third of step_height
-per single support: a sole that meets the ground too early then neither scuffs nor hits it fast.
-"""
+"""Trajectories of a walk, of stairs or of a kick: soles, hands, torso, ZMP and CoM height."""
 
 from __future__ import annotations
 
@@ -13,114 +6,45 @@ import numpy as np
 
 from mgs.core.arrays import Array
 from mgs.core.contact import Side, Support
-from mgs.core.curves import evaluate
-from mgs.core.geometry import bump, quat_multiply, quat_xyzw_from_yaw, quintic, rotate_planar
+from mgs.core.geometry import quat_multiply, quat_xyzw_from_yaw, quintic, rotate_planar
 from mgs.motion_planner import Phase, WalkPlan
 from mgs.trajectory_planner.com_height import height_within_reach
+from mgs.trajectory_planner.swing import sole_paths
 from mgs.trajectory_planner.task_trajectory import TaskTrajectory
-
-LANDING_SPEED = 1.0 / 3.0  # mean speed of a landing, in step heights per single support
+from mgs.trajectory_planner.zmp import plan_zmp
 
 
 def plan_walk_trajectories(plan: WalkPlan) -> TaskTrajectory:
     """Trajectories of a walk, of stairs or of a kick."""
-    n = plan.n_samples
-    support, root = np.empty(n, np.int8), np.empty(n, np.int8)
-    planar, height = np.empty((n, 2, 3)), np.zeros((n, 2))
-    zmp, load_left = np.empty((n, 2)), np.empty(n)
-    poses = [np.array([f.x, f.y, f.yaw]) for f in plan.footsteps]
-    heights = np.array([f.z for f in plan.footsteps])
-    load = 0.5  # at rest each sole carries half of the weight
-    for phase, before, following, side in zip(
-        plan.phases,
-        [None, *plan.phases[:-1]],
-        [*plan.phases[1:], None],
-        _roots(plan.phases),
-        strict=True,
-    ):
-        span = slice(phase.start, phase.end)
-        blend = quintic(np.arange(phase.end - phase.start) / (phase.end - phase.start))
-        support[span] = phase.support
-        root[span] = side
-        planar[span] = np.stack([poses[foot] for foot in phase.feet])
-        height[span] = heights[list(phase.feet)]
-        if phase.target is not None:
-            _swing(plan, phase, poses, planar, height)
-        target = _load_at_end(plan, phase, following, load)
-        load_left[span] = load + (target - load) * blend
-        left, right = (_zmp_way(plan, side, phase, before, following, blend) for side in Side)
-        zmp[span] = right + load_left[span, None] * (left - right)
-        load = target
-    com_height = plan.com_height + _level(plan, heights)
-    if plan.reach is not None:
-        com_height = height_within_reach(
-            com_height,
-            zmp,
-            np.concatenate([planar, height[..., None]], axis=-1),
-            planar[..., 2].mean(axis=1),
-            plan.reach,
-            plan.dt,
-        )
+    lengths = [phase.end - phase.start for phase in plan.phases]
+    planar, height = sole_paths(plan)
+    zmp, load_left = plan_zmp(plan)
+    heading = planar[..., 2].mean(axis=1)
     return TaskTrajectory(
         dt=plan.dt,
-        support=support,
-        root=root,
+        support=np.repeat(np.array([phase.support for phase in plan.phases], np.int8), lengths),
+        root=np.repeat(np.array(_roots(plan.phases), np.int8), lengths),
         zmp_ref=zmp,
         load_left=load_left,
         soles=_sole_poses(planar, height),
-        hands=_hands(plan, planar),
-        com_height=com_height,
-        torso=_torso(plan, planar),
+        hands=_hands(plan, planar, heading),
+        com_height=_com_height(plan, zmp, planar, height),
+        torso=quat_multiply(quat_xyzw_from_yaw(heading), plan.torso),
     )
 
 
-def _zmp_way(
-    plan: WalkPlan,
-    side: Side,
-    phase: Phase,
-    before: Phase | None,
-    following: Phase | None,
-    blend: Array,
-) -> Array:
-    """Place of the ZMP if one sole carried the whole weight: (2,), or (k, 2) with travel [m].
-
-    It travels from heel to toe in single support. In double support it stays at the toe of a sole
-    that has just carried the robot, at the heel of one that is about to carry it, and in the middle
-    of a sole at rest.
-    """
-    footstep, (forward, inward) = plan.footsteps[phase.feet[side]], plan.zmp_offset
-    place = np.array([forward, -side.sign * inward])
-    if plan.zmp_travel:
-        begin, end = _travelled(side, phase, before, following)
-        along = np.zeros((len(blend), 2))
-        along[:, 0] = begin + (end - begin) * blend
-        place = place + plan.zmp_travel * along
-    return np.array([footstep.x, footstep.y]) + rotate_planar(place, footstep.yaw)
+def _com_height(plan: WalkPlan, zmp: Array, planar: Array, height: Array) -> Array:
+    """Height (N,) of the CoM above the ground below it, as far as the legs reach [m]."""
+    asked = plan.com_height + _level(plan)
+    if plan.reach is None:
+        return asked
+    soles = np.concatenate([planar, height[..., None]], axis=-1)
+    return height_within_reach(asked, zmp, soles, planar[..., 2].mean(axis=1), plan.reach, plan.dt)
 
 
-def _travelled(
-    side: Side, phase: Phase, before: Phase | None, following: Phase | None
-) -> tuple[float, float]:
-    """Places of the ZMP in a sole at the start and at the end of a phase.
-
-    The unit is the travel: -1/2 is the heel and 1/2 the toe. At an end where the sole carries no
-    weight the place has no effect; there the place of the other end is kept.
-    """
-    heel, toe, single = -0.5, 0.5, Support.single(side)
-    if phase.support is not Support.DOUBLE:
-        return (heel, toe) if phase.support is single else (0.0, 0.0)
-    begin: float | None = 0.0
-    if before is not None and before.support is not Support.DOUBLE:
-        begin = toe if before.support is single else None
-    end: float | None = 0.0
-    if following is not None and following.support is not Support.DOUBLE:
-        end = heel if following.support is single else None
-    begin = begin if begin is not None else end or 0.0
-    return begin, begin if end is None else end
-
-
-def _level(plan: WalkPlan, heights: Array) -> Array:
+def _level(plan: WalkPlan) -> Array:
     """Height (N,) of the ground below the CoM [m]: blends between mean heights of the soles."""
+    heights = np.array([foot.z for foot in plan.footsteps])
     level, now = np.empty(plan.n_samples), float(heights[:2].mean())
     start = 0
     for phase in plan.phases:
@@ -137,55 +61,18 @@ def _level(plan: WalkPlan, heights: Array) -> Array:
 
 
 def _roots(phases: tuple[Phase, ...]) -> list[Side]:
-    """Sole that inverse kinematics starts from: the one of this or the next single support."""
-    roots: list[Side] = []
-    upcoming: Side | None = None
+    """Sole of each phase that inverse kinematics starts from: that of this or the next step.
+
+    After the last single support it is the sole of that one; without any it is the left sole.
+    """
+    singles = [phase.support.sides[0] for phase in phases if phase.support is not Support.DOUBLE]
+    upcoming = singles[-1] if singles else Side.LEFT
+    roots = []
     for phase in reversed(phases):
         if phase.support is not Support.DOUBLE:
             upcoming = phase.support.sides[0]
-        roots.append(upcoming if upcoming is not None else _last_single(phases))
+        roots.append(upcoming)
     return roots[::-1]
-
-
-def _last_single(phases: tuple[Phase, ...]) -> Side:
-    """Support side of the last single support; left where there is none."""
-    singles = [p.support.sides[0] for p in phases if p.support is not Support.DOUBLE]
-    return singles[-1] if singles else Side.LEFT
-
-
-def _load_at_end(plan: WalkPlan, phase: Phase, following: Phase | None, load: float) -> float:
-    """Share of the weight on the left sole at the end of a phase."""
-    if phase.support is not Support.DOUBLE or phase is plan.phases[0]:
-        return load
-    if following is None or following.support is Support.DOUBLE:
-        return 0.5  # the last weight shift leads to the middle, where the lead-out rests
-    return 1.0 if following.support is Support.LEFT else 0.0
-
-
-def _swing(plan: WalkPlan, phase: Phase, poses: list[Array], planar: Array, height: Array) -> None:
-    """Fill in planar pose and height of the swing sole over one single support."""
-    assert phase.target is not None
-    swing = plan.footsteps[phase.target].side
-    s = np.arange(phase.end - phase.start) / (phase.end - phase.start)
-    if phase.path is not None:
-        times = plan.dt * np.arange(phase.end - phase.start)
-        planar[phase.start : phase.end, swing] = evaluate(phase.path.planar, times)
-        height[phase.start : phase.end, swing] = evaluate(phase.path.height, times)[:, 0]
-        return
-    start, target = poses[phase.feet[swing]], poses[phase.target]
-    over = quintic(s / (1.0 - plan.landing))
-    planar[phase.start : phase.end, swing] = start + over[:, None] * (target - start)
-    height[phase.start : phase.end, swing] = plan.step_height * _swing_height(s, plan.landing)
-
-
-def _swing_height(s: Array, landing: float) -> Array:
-    """Height (N,) of the swing sole in step heights at parts s (N,) of a single support."""
-    if landing == 0.0:
-        return bump(s)
-    above, low = 1.0 - landing, LANDING_SPEED * landing
-    up, down = quintic(2.0 * s / above), quintic(2.0 * s / above - 1.0)
-    last = quintic(np.clip(s - above, 0.0, landing) / landing)
-    return up - (1.0 - low) * down - low * last
 
 
 def _sole_poses(planar: Array, height: Array) -> Array:
@@ -195,12 +82,11 @@ def _sole_poses(planar: Array, height: Array) -> Array:
     )
 
 
-def _hands(plan: WalkPlan, planar: Array) -> Array:
-    """Hands (N, 2, 3) at constant offsets from the CoM, turned with the mean yaw of the soles [m].
+def _hands(plan: WalkPlan, planar: Array, heading: Array) -> Array:
+    """Hands (N, 2, 3) at constant offsets from the CoM that turn with the heading (N,) [m].
 
     With arm swing each hand moves forward and back with the opposite foot.
     """
-    heading = planar[..., 2].mean(axis=1)
     hands = np.empty((plan.n_samples, 2, 3))
     hands[..., 2] = plan.hand_offsets[:, 2]
     apart = planar[:, Side.LEFT, :2] - planar[:, Side.RIGHT, :2]
@@ -210,8 +96,3 @@ def _hands(plan: WalkPlan, planar: Array) -> Array:
         offset[:, 0] -= 0.5 * side.sign * plan.arm_swing * ahead
         hands[:, side, :2] = rotate_planar(offset, heading)
     return hands
-
-
-def _torso(plan: WalkPlan, planar: Array) -> Array:
-    """Orientation (N, 4) of the torso: that at rest, turned with the mean yaw of the soles."""
-    return quat_multiply(quat_xyzw_from_yaw(planar[..., 2].mean(axis=1)), plan.torso)
