@@ -63,7 +63,7 @@ def test_malformed_input_exits_with_2_and_every_other_error_with_1(error: MgsErr
 
 
 @pytest.mark.parametrize("error", EXAMPLES, ids=lambda error: type(error).__name__)
-def test_an_error_is_the_same_after_a_journey_to_another_process(error: MgsError):
+def test_an_error_is_the_same_after_pickling(error: MgsError):
     copy = pickle.loads(pickle.dumps(error))
     assert type(copy) is type(error)
     assert str(copy) == str(error)
@@ -124,7 +124,7 @@ def test_a_message_states_time_place_and_size_and_no_remedy(error: MgsError, mes
 
 
 @pytest.mark.parametrize("error", EXAMPLES, ids=lambda error: type(error).__name__)
-def test_a_remedy_ends_the_message_also_in_another_process(error: MgsError):
+def test_a_remedy_ends_the_message_also_after_pickling(error: MgsError):
     told = pickle.loads(pickle.dumps(error))
     told.remedy = "use another robot"
     for copy in (told, pickle.loads(pickle.dumps(told))):

@@ -24,7 +24,7 @@ MELSON = load_robot("melson")
 
 @functools.cache  # arrays of a Data are views that do not keep it alive
 def standing(robot: Robot) -> pin.Data:
-    """Frames and CoM in the posture, the left sole on the ground and half a width to the left."""
+    """Frames and CoM of the half-sitting robot; origin on the ground midway between the soles."""
     q = np.concatenate([pin.neutral(robot.model)[:7], robot.posture])
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, q)
@@ -71,7 +71,7 @@ def test_both_feet_stay_where_they_stand_for_the_whole_motion(gait: BalanceGait)
 
 
 @given(balances())
-def test_rests_and_eases_last_as_long_as_asked_and_leave_something_between(gait: BalanceGait):
+def test_rests_and_fades_last_as_long_as_asked_and_channels_act_in_between(gait: BalanceGait):
     plan = plan_of(gait)
     assert plan.start == plan.n_samples - 1 - plan.end
     assert plan.start * gait.dt == pytest.approx(gait.balance.rest, abs=0.5 * gait.dt + 1e-9)
@@ -80,7 +80,7 @@ def test_rests_and_eases_last_as_long_as_asked_and_leave_something_between(gait:
     assert plan.ease >= 1
 
 
-def test_only_hands_with_a_channel_are_asked_for():
+def test_only_hands_with_a_channel_have_a_reference():
     right = standing(MELSON).oMf[MELSON.hand_frames[Side.RIGHT]].translation
     for channel in (sine("right_hand_y", 0.01), figure_eight("right_hand", "yz", 0.02, 0.01)):
         hands = plan_of(balance_gait(sine("com_x", 0.01), channel)).hands
@@ -89,7 +89,7 @@ def test_only_hands_with_a_channel_are_asked_for():
     assert np.isnan(plan_of(balance_gait(sine("com_x", 0.01))).hands).all()
 
 
-def test_com_z_adds_to_the_height_of_the_posture_or_to_the_one_that_is_given():
+def test_com_z_adds_to_the_given_height_or_to_the_height_of_the_posture():
     height = standing(MELSON).com[0][2]
     for given_height, expected in ((None, height), (0.25, 0.25)):
         plan = plan_of(balance_gait(sine("com_z", 0.01), com_height=given_height))
@@ -98,7 +98,7 @@ def test_com_z_adds_to_the_height_of_the_posture_or_to_the_one_that_is_given():
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
-def test_a_hand_that_cannot_be_moved_against_the_torso_is_refused_by_name(side: str):
+def test_a_hand_that_cannot_move_relative_to_the_torso_is_refused_by_name(side: str):
     legs = load_robot("coman_legs")
     with pytest.raises(ConfigError, match=rf"balance\.channels: {side}_hand: coman_legs cannot"):
         plan_motion(legs, balance_gait(constant(f"{side}_hand_z", 0.01)))

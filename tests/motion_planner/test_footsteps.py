@@ -1,4 +1,4 @@
-"""Steps and footsteps that are given one by one."""
+"""Steps and footsteps that a gait file gives one by one."""
 
 from __future__ import annotations
 
@@ -38,7 +38,9 @@ def poses(footsteps: tuple[Footstep, ...]) -> np.ndarray:
 
 
 @given(steps_lists, sides)
-def test_each_step_advances_as_it_says(steps: list[dict[str, float]], first: str):
+def test_each_step_advances_by_its_own_length_sideways_way_and_turn(
+    steps: list[dict[str, float]], first: str
+):
     """Oracle: complex numbers, step by step; the trailing foot of a side step only closes up."""
     found = plan(steps=steps, first_support=first, step_width=0.11).footsteps
     assert len(found) == 2 + len(steps) + 1
@@ -66,7 +68,7 @@ def test_mirrored_steps_have_the_mirrored_plan(steps: list[dict[str, float]], fi
     assert_allclose(poses(there[2:]), poses(here[2:]) * [1, -1, -1], atol=ROUNDING)
 
 
-def test_what_a_step_leaves_out_is_as_in_the_walk():
+def test_a_step_takes_missing_values_from_the_walk():
     found = plan(steps=[{}, {"step_length": 0.02}, {"step_yaw": 0.1}], step_length=0.04)
     equal = plan(
         steps=[
@@ -78,7 +80,7 @@ def test_what_a_step_leaves_out_is_as_in_the_walk():
     assert found.footsteps == equal.footsteps
 
 
-def test_equal_steps_are_those_of_n_steps():
+def test_a_list_of_equal_steps_gives_the_footsteps_of_n_steps():
     walk = {"step_length": 0.04, "lateral": 0.01, "step_yaw": 0.05}
     assert plan(n_steps=5, **walk).footsteps == plan(steps=[walk] * 4).footsteps
 
@@ -93,7 +95,7 @@ def test_the_last_support_is_the_one_asked_for(n: int, last: str):
 
 
 @given(st.lists(sides, min_size=1, max_size=6))
-def test_footsteps_are_taken_as_given_whichever_foot_follows_which(order: list[str]):
+def test_footsteps_are_taken_as_given_in_any_order_of_the_feet(order: list[str]):
     given_steps = [
         {"side": side, "x": 0.01 * i, "y": 0.055 * Side[side.upper()].sign, "yaw": 0.01 * i}
         for i, side in enumerate(order, start=1)
@@ -127,7 +129,7 @@ def test_footsteps_that_contradict_other_keys_are_refused(walk: dict, message: s
     [{}, {"n_steps": 2, "goal": {"x": 0.1}}, {"steps": [{}], "footsteps": []}],
     ids=["none", "two", "an empty list"],
 )
-def test_a_walk_says_once_where_to_go(walk: dict):
+def test_a_walk_gives_its_way_by_exactly_one_key(walk: dict):
     with pytest.raises(ValueError, match=r"give one of n_steps|at least 1 item"):
         plan(**walk)
 

@@ -1,4 +1,4 @@
-"""Ways to a pose: arrival, limits and mirrors."""
+"""Steps to a goal: arrival, size of the steps and mirror images."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ goals = st.builds(
 
 
 @given(goals, st.sampled_from(Side))
-def test_it_arrives(goal: GoalParameters, swing: Side):
+def test_the_last_step_to_a_goal_arrives_there(goal: GoalParameters, swing: Side):
     centres = way_to_goal(goal, swing, LIMITS)
     end = centres[-1] if centres else np.zeros(3)
     assert_allclose(end[:2], [goal.x, goal.y], atol=1e-9)
@@ -34,9 +34,7 @@ def test_it_arrives(goal: GoalParameters, swing: Side):
 
 
 @given(goals, st.sampled_from(Side))
-def test_no_step_is_larger_than_allowed_and_feet_close_in_only_so_far(
-    goal: GoalParameters, swing: Side
-):
+def test_no_step_to_a_goal_exceeds_the_largest_step(goal: GoalParameters, swing: Side):
     before = np.zeros(3)
     for centre in way_to_goal(goal, swing, LIMITS):
         step = complex(*(centre - before)[:2]) * cmath.exp(-1j * 0.5 * (centre[2] + before[2]))
@@ -48,7 +46,7 @@ def test_no_step_is_larger_than_allowed_and_feet_close_in_only_so_far(
 
 
 @given(goals, st.sampled_from(Side))
-def test_the_mirrored_goal_has_the_mirrored_way(goal: GoalParameters, swing: Side):
+def test_the_steps_to_a_mirrored_goal_are_mirrored(goal: GoalParameters, swing: Side):
     mirrored = GoalParameters(x=goal.x, y=-goal.y, yaw=-goal.yaw)
     there, here = way_to_goal(mirrored, swing.other, LIMITS), way_to_goal(goal, swing, LIMITS)
     assert len(there) == len(here)
@@ -57,7 +55,9 @@ def test_the_mirrored_goal_has_the_mirrored_way(goal: GoalParameters, swing: Sid
 
 
 @given(st.floats(-1, 1), st.floats(-1, 1), st.floats(-3, 3))
-def test_a_twist_is_followed_as_by_small_steps(x: float, y: float, turn: float):
+def test_the_pose_after_a_constant_twist_is_the_sum_of_its_small_displacements(
+    x: float, y: float, turn: float
+):
     n = 2000
     place = sum(
         complex(x, y) / n * cmath.exp(1j * turn * (i + 0.5) / n) for i in range(n)
@@ -80,6 +80,6 @@ def test_a_walk_to_a_pose_ends_within_a_millimetre_and_a_tenth_of_a_degree(goal:
         assert abs(off) < np.radians(0.1)
 
 
-def test_a_goal_beyond_the_most_steps_is_refused_by_name():
+def test_a_goal_that_takes_too_many_steps_is_refused_by_its_key():
     with pytest.raises(ConfigError, match=r"walk\.goal: .* steps away, 20000 allowed"):
         way_to_goal(GoalParameters(x=1000.0, y=0.0), Side.LEFT, LIMITS)

@@ -1,4 +1,4 @@
-"""What keyframes may ask of a robot, and what is refused with a remedy."""
+"""Refusals of keyframes that a robot cannot follow."""
 
 from __future__ import annotations
 
@@ -44,24 +44,24 @@ def test_legs_and_arms_are_the_groups_of_the_robot(name: str):
         ),
     ],
 )
-def test_a_joint_that_posture_cannot_have_is_refused(key: dict[str, Any], part: str):
+def test_a_joint_angle_that_a_key_may_not_ask_for_is_refused(key: dict[str, Any], part: str):
     with pytest.raises(ConfigError, match=r"keyframes: keys\.0\.posture\.left_.*" + part):
         plan_motion(MELSON, keyframes_gait({"time": 1.0, **key}))
 
 
-def test_all_joints_that_it_cannot_have_are_told_at_once():
+def test_all_problems_of_joint_angles_are_reported_at_once():
     keys = [{"time": t, "posture": {"nose": 0.1, "waist_yaw": 2.0}} for t in (1.0, 2.0)]
     with pytest.raises(ConfigError) as caught:
         plan_motion(MELSON, keyframes_gait(*keys))
     assert len(caught.value.problems) == 4
 
 
-def test_a_way_of_too_few_samples_is_refused():
+def test_keys_with_too_few_samples_in_between_are_refused():
     with pytest.raises(ConfigError, match=r"keyframes\.keys\.1\.time: .* fewer than 5 samples"):
         plan_motion(MELSON, keyframes_gait({"time": 1.0}, {"time": 1.03}))
 
 
-def test_a_hand_of_locked_arms_is_refused():
+def test_a_reference_for_the_hand_of_a_locked_arm_is_refused():
     legs = load_robot("coman_legs")
     with pytest.raises(ConfigError, match="left_hand: coman_legs cannot move it"):
         plan_motion(legs, keyframes_gait({"time": 1.0, "left_hand": [0.0, 0.0, 0.0]}))

@@ -1,4 +1,4 @@
-"""Kicks: the foot meets the ball where, when and as fast as asked."""
+"""Kicks: place, time, speed and direction of the contact with the ball, and refusals."""
 
 from __future__ import annotations
 
@@ -110,7 +110,9 @@ def test_the_foot_gathers_speed_steadily_until_the_contact():
         ({"ball": {"x": 0.15, "y": 0.02}}, r"would strike the other leg, by .*farther outward"),
     ],
 )
-def test_what_the_foot_cannot_do_is_refused_with_the_remedy(kick: dict[str, Any], message: str):
+def test_a_ball_that_the_foot_cannot_strike_is_refused_with_the_remedy(
+    kick: dict[str, Any], message: str
+):
     with pytest.raises(InfeasibleGaitError, match=message):
         plan(**kick)
 
@@ -122,7 +124,7 @@ def test_a_foot_above_the_ball_is_refused_by_name():
         plan(height=0.08)
 
 
-def test_a_speed_beyond_the_servos_is_refused_with_joint_and_remedy():
+def test_a_speed_that_a_servo_cannot_reach_is_refused_with_joint_and_remedy():
     with pytest.raises(InfeasibleGaitError, match=r"would have to move at .* lower kick\.speed"):
         run_stages(MELSON, kick_gait(speed=2.0))
 

@@ -1,4 +1,4 @@
-"""Bounds of phases: rounded one by one, and refused by the key of the one that is too short."""
+"""Bounds of support phases: rounding, and the refusal of phases that are too short."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Static postures that reach an object, against forward kinematics and forces worked out anew."""
+"""Static postures that reach an object, against forward kinematics and the balance of forces."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def goals(position: list[float], side: Side = Side.RIGHT) -> np.ndarray:
 
 
 def check_pose(robot: Robot, joints: np.ndarray, goal: np.ndarray, payload: float = 0.0) -> None:
-    """Soles, hand, CoM of both, limits and collisions of a posture of the right hand."""
+    """Check soles, right hand, common CoM, joint limits and collisions of a posture."""
     model = robot.model
     data, rest = model.createData(), model.createData()
     pin.framesForwardKinematics(model, rest, robot.standing_q)
@@ -72,7 +72,7 @@ def test_any_object_is_reached_in_balance_or_refused_with_a_distance(position):
         check_pose(MELSON, pose.joints, np.array(position))
 
 
-def test_a_refusal_names_the_nearest_point_and_that_one_is_in_reach():
+def test_a_refusal_names_the_nearest_point_and_that_point_is_in_reach():
     with pytest.raises(InfeasibleGaitError, match="the right hand cannot reach") as caught:
         plan_motion(MELSON, pick_up_gait(object=[0.45, -0.1, 0.1]))
     numbers = [float(x) for x in re.findall(r"-?\d+\.\d+", str(caught.value))]
@@ -85,7 +85,7 @@ def test_a_refusal_names_the_nearest_point_and_that_one_is_in_reach():
 
 
 def test_bodies_that_would_touch_are_kept_apart():
-    """Without the gaps this posture has the forearm in the thigh."""
+    """Without a least distance of bodies the forearm would be inside the thigh here."""
     position = [0.133, -0.05, 0.03]
     model = StandingModel(MELSON, np.zeros(2))
     try:
@@ -98,7 +98,7 @@ def test_bodies_that_would_touch_are_kept_apart():
 
 @pytest.mark.parametrize("name", ["melson", "coman"])
 def test_forces_of_a_still_robot_with_a_payload_are_in_balance(name: str):
-    """The oracle: inverse dynamics of a robot with a heavier hand, the ground as outer forces."""
+    """Oracle: inverse dynamics of a robot with a heavier hand and the ground as external forces."""
     robot, rng = load_robot(name), np.random.default_rng(1)
     payload = np.array([0.0, 0.05 * robot.mass])
     joints = robot.posture + rng.uniform(-0.1, 0.1, robot.n)
@@ -128,7 +128,7 @@ def test_forces_of_a_still_robot_with_a_payload_are_in_balance(name: str):
     assert_allclose(standing.torque, forces[6:], atol=1e-9 * robot.mass)
 
 
-def test_the_left_hand_does_what_the_right_hand_does_in_the_mirror():
+def test_the_plan_for_the_left_hand_is_the_mirror_image_of_that_for_the_right_hand():
     right = plan_motion(MELSON, pick_up_gait(object=[0.12, -0.1, 0.1]))
     left = plan_motion(MELSON, pick_up_gait(hand="left", object=[0.12, 0.1, 0.1]))
     names = MELSON.joint_names
@@ -150,6 +150,6 @@ def test_both_hands_meet_the_object_from_either_side():
     assert_allclose(hands[1, :, 2] - hands[2, :, 2], 0.15 * 0.2815, atol=1e-4)
 
 
-def test_a_robot_that_cannot_move_its_hands_is_told_so():
+def test_picking_up_with_a_robot_that_cannot_move_its_hands_is_refused():
     with pytest.raises(ConfigError, match=r"pick_up\.hand: right: coman_legs cannot move"):
         plan_motion(load_robot("coman_legs"), pick_up_gait(object=[0.3, -0.1, 0.3]))

@@ -1,4 +1,4 @@
-"""Each kind of gait has its own type of plan, and every plan says how long it lasts and on what."""
+"""The type of plan that each kind of gait has, and what all plans have in common."""
 
 from __future__ import annotations
 

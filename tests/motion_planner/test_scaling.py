@@ -1,4 +1,4 @@
-"""Walks whose sizes come from the robot: alike at every size, and the file has the last word."""
+"""Walks whose lengths and durations are derived from the size of the robot."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ GENERIC = "mgs: 1\nmotion: walk\nwalk: {n_steps: 4, sizes: robot}"
 
 @settings(max_examples=5)
 @given(size=st.floats(0.3, 1.0), scale=st.floats(1.2, 2.0))
-def test_walks_of_robots_of_two_sizes_have_one_froude_number(
+def test_walks_of_robots_of_two_sizes_have_the_same_froude_number(
     size: float, scale: float, tmp_path_factory: pytest.TempPathFactory
 ):
     found = []
@@ -35,7 +35,7 @@ def test_walks_of_robots_of_two_sizes_have_one_froude_number(
     assert found[0] == pytest.approx(found[1], rel=0.08)  # times are whole samples of 10 ms
 
 
-def test_what_the_file_states_stays():
+def test_values_that_the_file_states_are_not_replaced():
     stated = {"step_length": 0.011, "single_support": 0.77, "lead_in": 2.5, "step_height": 0.013}
     assignments = tuple(f"walk.{key}={value}" for key, value in stated.items())
     gait = for_robot(load_gait("walk", (*assignments, "com.margin=0.002")), MELSON)
@@ -46,7 +46,7 @@ def test_what_the_file_states_stays():
 
 
 @pytest.mark.parametrize("name", [name for name in list_gaits() if not name.startswith("generic")])
-def test_gaits_that_state_their_sizes_are_left_alone(name: str):
+def test_gaits_that_state_their_sizes_are_not_changed(name: str):
     gait = load_gait(name)
     assert for_robot(gait, MELSON) is gait
 

@@ -1,4 +1,4 @@
-"""Stairs and obstacles: heights, clearances and refusals."""
+"""Stairs and obstacles: heights of soles and CoM, clearance of swings, and refusals."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ CLEARANCE = 0.005
 
 
 def climb(rise: float, tread: float, n: int = 2, **walk: object) -> WalkPlan:
-    """Up n stairs, both feet onto each."""
+    """Plan of a walk up n stairs, both feet onto each of them."""
     first = 0.5 * SOLE.length + 0.01  # the first edge ahead of the toes
     boxes, footsteps = [], []
     for k in range(n):
@@ -55,7 +55,7 @@ def swinging(plan: WalkPlan, tasks: TaskTrajectory) -> list[tuple[int, Side]]:
 @settings(max_examples=20)
 @given(st.floats(0.005, 0.04), st.floats(0.12, 0.16))
 def test_swing_soles_keep_clear_of_every_edge(rise: float, tread: float):
-    """Oracle: points of the sole one by one against the stairs as a function of x."""
+    """Oracle: single points of the sole against the height of the stairs as a function of x."""
     plan = climb(rise, tread)
     tasks = plan_trajectories(plan)
     first = 0.5 * SOLE.length + 0.01
@@ -85,8 +85,8 @@ def test_soles_stand_still_on_top_of_their_stairs(rise: float, tread: float):
 
 @settings(max_examples=20)
 @given(st.floats(0.005, 0.04), st.floats(0.12, 0.16))
-def test_both_ankles_stay_within_a_legs_length_of_the_hips(rise: float, tread: float):
-    """Where the hips are above the ZMP as they are above the CoM at rest."""
+def test_both_ankles_stay_within_the_reach_of_the_legs(rise: float, tread: float):
+    """The hips are assumed above the ZMP as they are above the CoM at rest."""
     plan = climb(rise, tread)
     tasks, reach = plan_trajectories(plan), plan.reach
     assert reach is not None
@@ -97,7 +97,7 @@ def test_both_ankles_stay_within_a_legs_length_of_the_hips(rise: float, tread: f
     assert np.all(tasks.com_height <= plan.com_height + 2 * rise + 1e-12)
 
 
-def test_it_is_as_high_as_asked_where_nothing_binds():
+def test_the_com_is_as_high_as_asked_where_the_legs_are_long_enough():
     plan = climb(0.005, 0.12, com_height=0.2)
     tasks = plan_trajectories(plan)
     assert tasks.com_height[0] == pytest.approx(0.2, abs=1e-12)
@@ -126,7 +126,7 @@ def test_an_edge_that_no_swing_clears_is_refused_with_the_remedy():
 @settings(max_examples=20)
 @given(st.floats(0.0, 0.6), st.floats(-0.02, 0.02))
 def test_an_obstacle_is_stepped_over(yaw: float, y: float):
-    """Corners of the swing sole and points between them, against the turned obstacle."""
+    """Oracle: corners of the swing sole and points between them against the turned obstacle."""
     boxes = [{"x": 0.085, "y": y, "yaw": yaw, "length": 0.004, "width": 0.02, "height": 0.012}]
     footsteps = [{"side": s.label, "x": 0.15, "y": 0.5 * s.sign * WIDTH} for s in Side]
     gait = walk_gait(n_steps=None, footsteps=footsteps, boxes=boxes, single_support=1.0)

@@ -1,4 +1,4 @@
-"""Footsteps and phases against circles, mirrors and clocks."""
+"""Footsteps and phases of walks against circles, mirror images and sums of durations."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def test_phases_last_as_long_as_asked_and_rounding_does_not_add_up(gait: Gait):
 
 
 @given(walks())
-def test_feet_take_turns_and_never_stand_and_swing_at_once(gait: Gait):
+def test_the_feet_swing_in_turn_and_never_stand_and_swing_at_once(gait: Gait):
     plan = plan_motion(MELSON, gait)
     singles = [phase for phase in plan.phases if phase.support is not Support.DOUBLE]
     assert len(singles) == gait.walk.n_steps
@@ -144,8 +144,8 @@ def test_a_mirrored_gait_has_the_mirrored_plan(gait: Gait):
 
 
 @given(walks())
-def test_left_to_itself_the_planner_treats_both_sides_alike(gait: Gait):
-    """With first_support null a turn or side step to the right mirrors the one to the left."""
+def test_without_a_first_support_the_planner_treats_both_sides_alike(gait: Gait):
+    """A turn or side step to the right is then the mirror image of one to the left."""
     walk = gait.walk.model_dump() | {"first_support": None}
     assume(walk["lateral"] or walk["step_yaw"])
     mirrored = walk | {"lateral": -walk["lateral"], "step_yaw": -walk["step_yaw"]}
@@ -171,7 +171,7 @@ def test_a_straight_walk_advances_one_step_length_past_the_support_sole(first: s
 def test_footsteps_of_a_turning_walk_lie_on_two_circles(
     length: float, turn: float, first: Side, n: int
 ):
-    """A chord L of an arc of psi belongs to a circle R = L / (2 sin(psi / 2)) about (0, R)."""
+    """A chord L of an arc psi lies on a circle of radius R = L / (2 sin(psi / 2)) about (0, R)."""
     assume(abs(turn) > 1e-3)
     width = 0.1
     walk = walk_gait(n_steps=n, step_length=length, step_yaw=turn).walk
@@ -207,7 +207,7 @@ def test_feet_never_cross(gait: Gait):
         assert seen_from(before, after)[1] * after.side.sign > 0.0
 
 
-def test_a_null_step_width_is_the_one_of_the_posture_and_null_heights_are_those_of_the_posture():
+def test_without_a_step_width_or_height_those_of_the_posture_are_used():
     found = plan()
     assert found.footsteps[0].y - found.footsteps[1].y == pytest.approx(0.0955)  # hip to hip
     assert found.com_height == pytest.approx(0.2668, abs=5e-5)  # the robot's README
@@ -248,7 +248,7 @@ def test_overlapping_soles_are_refused_with_the_pair_and_the_keys_that_help(
     assert ("step_yaw" in str(error)) == ("step_yaw" in walk)
 
 
-def test_soles_side_by_side_may_almost_touch():
+def test_soles_that_almost_touch_are_accepted():
     with pytest.raises(FootstepError, match=r"overlap by 0\.1 mm"):
         plan(step_width=0.0599)
     assert plan(step_width=0.0601).footsteps
@@ -261,6 +261,6 @@ def test_a_zmp_beside_the_sole_is_refused(offset: list[float]):
 
 
 @given(walks())
-def test_a_plan_is_the_same_twice(gait: Gait):
+def test_planning_twice_gives_the_same_plan(gait: Gait):
     assert plan_motion(MELSON, gait).footsteps == plan_motion(MELSON, gait).footsteps
     assert plan_motion(MELSON, gait).phases == plan_motion(MELSON, gait).phases

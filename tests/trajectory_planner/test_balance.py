@@ -1,4 +1,4 @@
-"""References of a balance motion against closed forms, scipy and the standing robot."""
+"""References of a balance motion against closed forms, SciPy and the standing robot."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def tasks_of(gait: BalanceGait) -> TaskTrajectory:
 
 
 def moved(times: np.ndarray, *channels: dict[str, object]) -> dict[str, np.ndarray]:
-    """Sum of the channels by task; those that do not move are left out."""
+    """Displacements by task, summed over the channels; tasks that do not move are left out."""
     out = displacements(balance_gait(*channels).balance.channels, times)
     return {name: x for name, x in zip(COORDINATES, out.T, strict=True) if x.any()}
 
@@ -141,7 +141,7 @@ def test_channels_are_faded_in_and_out_by_the_same_blend():
     assert_allclose(hand, expected, atol=ROUNDING)
 
 
-def test_a_com_height_is_reached_and_left_gently():
+def test_a_com_height_is_reached_and_left_by_the_fading():
     tasks = tasks_of(balance_gait(sine("com_z", 0.005, 1.0), com_height=0.25))
     stood = standing().com[0][2]
     times = 0.01 * np.arange(401)
@@ -152,7 +152,7 @@ def test_a_com_height_is_reached_and_left_gently():
 
 
 @given(balances())
-def test_at_both_ends_all_is_as_the_robot_stands_and_at_rest(gait: BalanceGait):
+def test_at_both_ends_the_references_are_those_of_the_standing_robot(gait: BalanceGait):
     tasks = tasks_of(gait)
     data = standing()
     rest = round(gait.balance.rest / gait.dt)
@@ -171,7 +171,7 @@ def test_at_both_ends_all_is_as_the_robot_stands_and_at_rest(gait: BalanceGait):
 
 
 def test_the_motion_begins_and_ends_without_speed_or_acceleration():
-    """Differences over h of a motion with bounded jerk: speed within j h^2, acceleration j h."""
+    """Differences over h of a motion with jerk j: at most j h^2 in speed, j h in acceleration."""
     h = 0.001
     tasks = tasks_of(balance_gait(constant("com_x", 0.02), dt=h, rest=0.5, ease=1.0))
     assert tasks.com is not None
@@ -186,7 +186,7 @@ def test_the_motion_begins_and_ends_without_speed_or_acceleration():
 
 
 @given(balances())
-def test_soles_stay_and_share_the_load(gait: BalanceGait):
+def test_soles_stay_in_place_and_share_the_load(gait: BalanceGait):
     tasks = tasks_of(gait)
     assert np.all(tasks.support == Support.DOUBLE)
     assert np.all(tasks.soles == tasks.soles[0])
@@ -202,7 +202,7 @@ def test_soles_stay_and_share_the_load(gait: BalanceGait):
 
 
 @given(balances())
-def test_only_what_has_a_channel_is_asked_for(gait: BalanceGait):
+def test_only_tasks_with_a_channel_have_a_reference(gait: BalanceGait):
     tasks = tasks_of(gait)
     names = [channel.task for channel in gait.balance.channels]
     for side in Side:
@@ -231,7 +231,7 @@ def test_the_torso_turns_by_yaw_pitch_and_roll_about_turned_axes():
     assert (Rotation.from_quat(tasks.torso[100]) * half.inv()).magnitude() < 1e-12
 
 
-def test_a_robot_whose_torso_is_tilted_at_rest_turns_it_from_there():
+def test_a_torso_that_is_tilted_at_rest_turns_from_its_orientation_at_rest():
     robot = load_robot("coman")
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.standing_q)

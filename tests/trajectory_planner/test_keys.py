@@ -1,4 +1,4 @@
-"""Motions from key to key: minimum jerk in its closed form, feet that stay, times that are met."""
+"""Trajectories from key to key: minimum jerk in closed form, places and times of the keys."""
 
 from __future__ import annotations
 
@@ -12,7 +12,11 @@ from mgs.core.contact import Side, Support
 from mgs.gait import KeyframesGait
 from mgs.motion_planner import plan_motion
 from mgs.robot import leg_length, load_robot, midpoint_width
-from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
+from mgs.trajectory_planner import (
+    TaskTrajectory,
+    plan_posture_trajectory,
+    plan_trajectories,
+)
 from tests.support.strategies import keyframes, keyframes_gait, pick_up_gait
 
 MELSON = load_robot("melson")
@@ -27,7 +31,7 @@ def rotation(quat_xyzw: np.ndarray) -> np.ndarray:
 
 
 @given(keyframes())
-def test_feet_never_move_and_the_body_rests_in_every_key_when_its_time_has_come(gait):
+def test_feet_never_move_and_the_body_rests_in_every_key_at_its_time(gait):
     tasks, frames, dt = tasks_of(gait), gait.keyframes, gait.dt
     assert (tasks.support == Support.DOUBLE).all()
     half = 0.5 * midpoint_width(MELSON)
@@ -65,8 +69,12 @@ def test_feet_never_move_and_the_body_rests_in_every_key_when_its_time_has_come(
     assert tasks.hands_asked[Side.RIGHT] == led
 
 
-def test_between_keys_it_is_the_minimum_jerk_polynomial():
-    """Flash and Hogan, J. Neuroscience 5(7), 1985: d (10 s^3 - 15 s^4 + 6 s^5), s = t / T."""
+def test_between_keys_the_body_follows_the_minimum_jerk_polynomial():
+    """Displacement d (10 s^3 - 15 s^4 + 6 s^5) at s = t / T.
+
+    T. Flash and N. Hogan, "The coordination of arm movements: an experimentally confirmed
+    mathematical model", J. Neuroscience 5(7), 1985.
+    """
     key = {"time": 2.5, "hold": 0.5, "com": [0.02, -0.01, 0.0], "torso": [0.0, 0.4, 0.0]}
     key["posture"] = {"left_shoulder_pitch": -0.65}
     tasks = tasks_of(keyframes_gait(key))
@@ -85,7 +93,7 @@ def test_between_keys_it_is_the_minimum_jerk_polynomial():
     assert speed == pytest.approx(15.0 / 8.0 * 0.02 / 2.0, rel=1e-3)  # twice the mean, nearly
 
 
-def test_the_torso_turns_as_pinocchio_interpolates():
+def test_the_torso_turns_as_pinocchio_interpolates_orientations():
     keys = [{"time": 1.5, "torso": [0.3, 0.0, 0.0]}, {"time": 3.5, "torso": [0.0, 0.2, -0.7]}]
     tasks = tasks_of(keyframes_gait(*keys))
     a, b = (pin.Quaternion(*tasks.torso[k][[3, 0, 1, 2]]) for k in (150, 350))
@@ -112,3 +120,31 @@ def test_the_hand_goes_straight_down_and_the_common_com_does_not_jump():
     both = (MELSON.mass * tasks.com + mass[:, None] * hand) / (MELSON.mass + mass[:, None])
     assert_allclose(tasks.zmp_ref, both[:, :2], atol=1e-12)
     assert np.abs(np.diff(tasks.zmp_ref, 2, axis=0)).max() / 0.01**2 < 1.0  # [m/s^2]
+
+
+def test_without_balance_joints_go_from_key_to_key_and_the_base_turns_upright():
+    """Oracle: the minimum-jerk polynomial, and Pinocchio's interpolation of orientations."""
+    key = {"time": 2.5, "hold": 0.5, "posture": {"left_elbow_pitch": -1.0}}
+    gait = keyframes_gait(
+        key, balance="off", lying="front", begin={"left_elbow_pitch": -2.0, "left_knee_pitch": 0.1}
+    )
+    plan = plan_motion(MELSON, gait)
+    found = plan_posture_trajectory(plan)
+    n = len(found.angles)
+    assert n == plan.n_samples == round(gait.keyframes.duration / 0.01) + 1
+    s = np.clip((np.arange(n) * 0.01 - 0.5) / 2.0, 0.0, 1.0)
+    blend = 10 * s**3 - 15 * s**4 + 6 * s**5
+    elbow, knee = (MELSON.joint_names.index(f"left_{j}_pitch") for j in ("elbow", "knee"))
+    assert_allclose(found.angles[:, elbow], -2.0 + blend, atol=1e-12)
+    assert_allclose(found.angles[:, knee], 0.1, atol=1e-12)
+    others = np.delete(np.arange(MELSON.n), [elbow, knee])
+    expected = np.tile(MELSON.posture[others], (n, 1))
+    assert_allclose(found.angles[:, others], expected, atol=1e-12)
+    upright = rotation(MELSON.standing_q[3:7])
+    lying = pin.rpy.rpyToMatrix(0.0, 0.5 * np.pi, 0.0) @ upright
+    part = np.arange(n) / (n - 1)
+    rise = 10 * part**3 - 15 * part**4 + 6 * part**5
+    a, b = pin.Quaternion(lying), pin.Quaternion(upright)
+    for k in (0, n // 3, n // 2, n - 1):
+        between = a.slerp(float(rise[k]), b).matrix()
+        assert_allclose(rotation(found.base[k]), between, atol=1e-9)

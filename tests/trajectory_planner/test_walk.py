@@ -1,4 +1,4 @@
-"""References of soles, ZMP and hands: what stands still, what comes to rest, what stays inside."""
+"""References of soles, ZMP and hands in a walk: rest, smoothness, support polygon, symmetry."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_a_sole_in_support_never_moves(gait: Gait):
 
 
 @given(walks())
-def test_the_sole_that_the_ik_stands_on_is_in_contact(gait: Gait):
+def test_the_sole_that_the_ik_starts_from_is_in_contact(gait: Gait):
     _, tasks = tasks_of(gait)
     for support, root in zip(tasks.support, tasks.root, strict=True):
         assert Side(root) in Support(int(support)).sides
@@ -74,7 +74,7 @@ def test_the_ik_changes_its_sole_only_when_both_are_down(gait: Gait):
 def test_a_swing_sole_lifts_off_and_lands_without_speed_or_acceleration(
     coordinate: str, landing: float
 ):
-    """Differences over h of a motion with bounded jerk: speed within j h^2, acceleration j h."""
+    """Differences over h of a motion with jerk j: at most j h^2 in speed, j h in acceleration."""
     plan, tasks = tasks_of(walk_gait(**FINE, lateral=0.02, step_width=0.12, landing=landing))
     h, duration = plan.dt, 0.5
     planar = np.concatenate([tasks.soles[..., :3], yaw(tasks.soles[..., 3:])[..., None]], axis=-1)
@@ -151,7 +151,7 @@ def margin(point: np.ndarray, soles: np.ndarray) -> float:
 @settings(max_examples=15)
 @given(walks())
 def test_the_zmp_reference_stays_inside_the_support_polygon(gait: Gait):
-    """In the sole with the margin of its offset, between the soles with the same."""
+    """Its margin is that of zmp_offset, in single and in double support."""
     _, tasks = tasks_of(gait)
     forward, inward = np.abs(gait.walk.zmp_offset)
     least = min(0.5 * LENGTH - forward, 0.5 * WIDTH - inward)
@@ -180,7 +180,7 @@ def test_in_single_support_the_zmp_reference_rests_at_its_place_in_the_sole(gait
 
 
 def test_the_zmp_reference_is_smooth():
-    """Over a shift of duration T the quintic's speed is at most 1.875 d / T."""
+    """The speed of a quintic blend over a way d in a time T is at most 1.875 d / T."""
     plan, tasks = tasks_of(walk_gait(**FINE))
     step = np.linalg.norm(np.diff(tasks.zmp_ref, axis=0), axis=1)
     widest = 0.12  # [m] from sole to sole
@@ -190,8 +190,8 @@ def test_the_zmp_reference_is_smooth():
 
 
 @given(walks())
-def test_the_load_is_where_the_zmp_is(gait: Gait):
-    """All of it on the sole in single support, half and half at rest."""
+def test_the_zmp_divides_the_line_between_the_soles_as_the_load_is_shared(gait: Gait):
+    """In single support one sole carries everything, at rest each carries half."""
     _, tasks = tasks_of(gait)
     load = tasks.load_left
     assert np.all((load >= 0.0) & (load <= 1.0))
