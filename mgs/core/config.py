@@ -1,4 +1,4 @@
-"""The border to files that people write: safe YAML, strict models, messages that help."""
+"""Reading of files that people write: safe YAML, strict models and clear error messages."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from mgs.core.errors import ConfigError
 from mgs.core.explain import explain
 from mgs.core.short_text import clipped, shown
 
-MAX_BYTES = 1_000_000  # no gait or robot file comes near it; keeps a wrong file from filling memory
-MAX_DEPTH = 30  # nesting of any file that we read is below 6
+MAX_BYTES = 1_000_000  # of a file; far above any gait or robot file, and small against memory
+MAX_DEPTH = 30  # of nested lists and dictionaries; files of mgs stay below 6
 
 
 class Model(pydantic.BaseModel):
     """Base of all file models: frozen, strict, no unknown keys, no NaN or infinity.
 
-    A model is built when it first validates something, so that a command pays for the kind of file
-    that it reads alone. For the same reason nested defaults are factories, not instances.
+    Validators are built when a model is first used, so that a command builds only those of the kind
+    of file that it reads. For the same reason defaults that are models are given as factories.
     """
 
     model_config = pydantic.ConfigDict(
@@ -39,7 +39,7 @@ M = TypeVar("M", bound=Model)
 
 
 def _refuse_true(value: object) -> object:
-    """To Python True and 1.0 equal 1, so that a Literal[1] takes them."""
+    """Refuse True and 1.0, which a Literal[1] accepts because Python takes them as equal to 1."""
     if type(value) is not int:
         raise ValueError(f"input should be 1, found {shown(value)}")
     return value
@@ -49,15 +49,15 @@ FormatVersion = Annotated[Literal[1], pydantic.BeforeValidator(_refuse_true)]
 
 
 class _Loader(yaml.SafeLoader):
-    """Safe loader: 1e-6 is a number; no repeated keys, aliases, tags or deep nesting."""
+    """Safe loader that reads 1e-6 as a number and refuses repeated keys, aliases and tags."""
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        loader: Any = self  # PyYAML's type stubs differ from one version to the next
+        loader: Any = self  # the type stubs of PyYAML differ between versions
         event = loader.peek_event()
         depth = getattr(self, "depth", 0)
         if isinstance(event, yaml.AliasEvent):
             self._refuse(event, "YAML aliases (*name) are not allowed")
-        if event.tag is not None:  # `!!int ""` and its like make PyYAML raise almost anything
+        if event.tag is not None:  # with tags such as `!!int ""` PyYAML raises arbitrary exceptions
             self._refuse(event, "YAML tags (!name) are not allowed")
         if depth > MAX_DEPTH:
             self._refuse(event, f"nested deeper than {MAX_DEPTH} levels")
@@ -85,7 +85,7 @@ class _Loader(yaml.SafeLoader):
         return super().construct_mapping(node, deep)
 
 
-# YAML 1.1 wants a dot in every float, so that PyYAML reads 1e-6 as text.
+# YAML 1.1 requires a dot in every float, so that PyYAML would read 1e-6 as text.
 _Loader.add_implicit_resolver(
     "tag:yaml.org,2002:float",
     re.compile(r"^[-+]?[0-9][0-9_]*(?:\.[0-9_]*)?[eE][-+]?[0-9]+$"),
@@ -94,7 +94,7 @@ _Loader.add_implicit_resolver(
 
 
 def parse_yaml(text: str, source: str | Path) -> Any:
-    """Content of a YAML text; raises ConfigError naming `source`, line and column."""
+    """Content of a YAML text; raises ConfigError with `source`, line and column."""
     try:
         return yaml.load(text, Loader=_Loader)
     except yaml.MarkedYAMLError as error:
@@ -106,25 +106,25 @@ def parse_yaml(text: str, source: str | Path) -> Any:
 
 
 def read_text(path: Path) -> str:
-    """Text of a file; raises ConfigError when it is missing, too large or not UTF-8."""
+    """Text of a file; raises ConfigError if it is missing, too large or not UTF-8."""
     try:
         with path.open("rb") as stream:
             data = stream.read(MAX_BYTES + 1)
         if len(data) > MAX_BYTES:
             raise ConfigError(
-                path, f"larger than {MAX_BYTES // 1000} kB, cannot be one of our files"
+                path, f"larger than {MAX_BYTES // 1000} kB, too large for a gait or robot file"
             )
         return data.decode("utf-8")
     except UnicodeDecodeError as error:
         raise ConfigError(path, f"not a text file (byte {error.start} is not UTF-8)") from error
     except OSError as error:
         raise ConfigError(path, (error.strerror or str(error)).lower()) from error
-    except ValueError as error:  # a zero byte in the name
+    except ValueError as error:  # the name contains a zero byte
         raise ConfigError(path, str(error)) from error
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is such a file; no where the system takes the name for too long to look."""
+    """Whether a file exists at a path; False also for a name that is too long for the system."""
     try:
         return path.is_file()
     except OSError:
@@ -132,10 +132,10 @@ def is_file(path: Path) -> bool:
 
 
 def read_assignment(text: str, source: str = "--set") -> tuple[str, Any]:
-    """Key of `dotted.key=value` and its value, read as YAML.
+    """Key and value of an assignment `dotted.key=value`; the value is read as YAML.
 
     Raises:
-        ConfigError: the text is of another form; the message names `source`.
+        ConfigError: the text is not of this form; the message contains `source`.
     """
     key, equals, value = text.partition("=")
     if not equals or not all(key.strip().split(".")):
@@ -144,7 +144,11 @@ def read_assignment(text: str, source: str = "--set") -> tuple[str, Any]:
 
 
 def set_value(tree: Any, key: str, value: object, source: str) -> None:
-    """Put a value at a dotted key of nested dictionaries in place; groups are made as needed."""
+    """Set the value at a dotted key of nested dictionaries, in place; adds missing dictionaries.
+
+    Raises:
+        ConfigError: the key is malformed or leads through a value that is no dictionary.
+    """
     path = key.split(".")
     if not all(path) or len(path) > MAX_DEPTH:
         raise ConfigError(source, f"{shown(key)} is not of the form key.sub")
@@ -152,16 +156,21 @@ def set_value(tree: Any, key: str, value: object, source: str) -> None:
     for part in path[:-1]:
         node = node.setdefault(part, {}) if isinstance(node, dict) else None
     if not isinstance(node, dict):
-        raise ConfigError(source, f"{clipped(key, 100)!r}: there is no such group in the file")
+        raise ConfigError(
+            source, f"{clipped(key, 100)!r}: there is no such group of keys in the file"
+        )
     node[path[-1]] = value
 
 
 def build(
     model: type[M], tree: Any, source: str | Path, context: dict[str, object] | None = None
 ) -> M:
-    """Validate a tree; raises one ConfigError with each bad key, its value and what is allowed.
+    """Model of nested dictionaries that were read from a file.
 
     Validators of the model find `context` in their `ValidationInfo`.
+
+    Raises:
+        ConfigError: a key is missing or unknown, or a value is not allowed; one line for each.
     """
     if not isinstance(tree, dict):
         found = "nothing" if tree is None else f"a {type(tree).__name__}"

@@ -1,6 +1,6 @@
-"""Gait files: what the robot shall do, as written by a person.
+"""Gait files: descriptions of motions in YAML, one module for each block of a file.
 
-One module for each block of a file. SI units; x forward, y left, z up; angles in rad.
+Quantities are in SI units, angles in rad; x points forward, y to the left, z up.
 """
 
 from mgs.core.constants import COM_TOLERANCE
@@ -12,6 +12,7 @@ from mgs.gait.balance import (
     RampChannel,
     SineChannel,
 )
+from mgs.gait.com import ComParameters
 from mgs.gait.find import find_gait, list_gaits
 from mgs.gait.ik import FarajiParameters, IkParameters, PrioritizedParameters, WholeBodyIkParameters
 from mgs.gait.keyframes import Keyframe, KeyframesParameters
@@ -36,7 +37,6 @@ from mgs.gait.load import load_gait, parse_gait
 from mgs.gait.pick_up import PickUpParameters
 from mgs.gait.walk import (
     BoxParameters,
-    ComParameters,
     FootstepParameters,
     GoalParameters,
     StepParameters,

@@ -1,4 +1,4 @@
-"""The block `balance` of a gait file: channels that CoM, torso and hands follow."""
+"""The block `balance` of a gait file: displacements of CoM, torso and hands on fixed feet."""
 
 from __future__ import annotations
 
@@ -20,34 +20,58 @@ ChannelName = Literal[
 
 
 class Channel(Model):
-    """One component of the body's motion, as a displacement from where it stands at rest."""
+    """Displacement of one coordinate of CoM, torso or a hand from its value at rest.
 
-    task: ChannelName = Field(description="What moves [m or rad].")
+    Axes of the world frame: x forward, y to the left, z up.
+    """
+
+    task: ChannelName = Field(
+        description="Coordinate that moves: a position of the CoM or of a hand [m], or a rotation "
+        "of the torso [rad]."
+    )
 
 
 class ConstantChannel(Channel):
-    """A constant displacement."""
+    """A constant displacement of one coordinate."""
 
-    wave: Literal["constant"] = Field(description="Kind of channel.")
-    value: Displacement = Field(description="[m or rad]")
+    wave: Literal["constant"] = Field(description="Shape of the displacement over time.")
+    value: Displacement = Field(
+        description="Displacement from rest [m or rad], in rad for the torso."
+    )
 
 
 class SineChannel(Channel):
-    """amplitude sin(2 pi frequency t + phase), t from the start of the motion."""
+    """A sinusoidal displacement of one coordinate: amplitude sin(2 pi frequency t + phase).
 
-    wave: Literal["sine"] = Field(description="Kind of channel.")
-    amplitude: Displacement = Field(description="[m or rad]")
-    frequency: Frequency = Field(description="[Hz]")
-    phase: float = Field(0.0, ge=-10.0, le=10.0, description="[rad]")
+    Time t is measured from the start of the motion.
+    """
+
+    wave: Literal["sine"] = Field(description="Shape of the displacement over time.")
+    amplitude: Displacement = Field(
+        description="Largest displacement from rest [m or rad], in rad for the torso."
+    )
+    frequency: Frequency = Field(description="Number of periods per second [Hz].")
+    phase: float = Field(
+        0.0, ge=-10.0, le=10.0, description="Phase of the sine at the start of the motion [rad]."
+    )
 
 
 class RampChannel(Channel):
-    """From 0 to `value` between two times, minimum jerk; stays there."""
+    """A displacement of one coordinate from 0 to `value` between two times, with minimum jerk.
 
-    wave: Literal["ramp"] = Field(description="Kind of channel.")
-    value: Displacement = Field(description="[m or rad]")
-    start: float = Field(ge=0.0, le=MAX_SECONDS, description="[s]")
-    end: float = Field(ge=0.0, le=MAX_SECONDS, description="[s]")
+    Afterwards the displacement stays at `value`.
+    """
+
+    wave: Literal["ramp"] = Field(description="Shape of the displacement over time.")
+    value: Displacement = Field(
+        description="Final displacement from rest [m or rad], in rad for the torso."
+    )
+    start: float = Field(
+        ge=0.0, le=MAX_SECONDS, description="Start of the ramp, from the start of the motion [s]."
+    )
+    end: float = Field(
+        ge=0.0, le=MAX_SECONDS, description="End of the ramp, from the start of the motion [s]."
+    )
 
     @model_validator(mode="after")
     def _ends_after_its_start(self) -> RampChannel:
@@ -57,14 +81,23 @@ class RampChannel(Channel):
 
 
 class FigureEightChannel(Model):
-    """A figure eight in a plane: width along its first axis, height along its second."""
+    """A figure eight of the CoM or of a hand in a plane, around the position at rest.
 
-    wave: Literal["figure_eight"] = Field(description="Kind of channel.")
-    task: Literal["com", "left_hand", "right_hand"] = Field(description="Point that draws it.")
-    plane: Literal["xy", "xz", "yx", "yz", "zx", "zy"] = Field("yz", description="Long axis first.")
-    width: Displacement = Field(description="From end to end along the first axis [m].")
-    height: Displacement = Field(description="From end to end along the second axis [m].")
-    frequency: Frequency = Field(description="Eights per second [Hz].")
+    Axes of the world frame: x forward, y to the left, z up.
+    """
+
+    wave: Literal["figure_eight"] = Field(description="Shape of the displacement over time.")
+    task: Literal["com", "left_hand", "right_hand"] = Field(
+        description="Point that moves on the figure eight."
+    )
+    plane: Literal["xy", "xz", "yx", "yz", "zx", "zy"] = Field(
+        "yz",
+        description="Plane of the figure eight: first the axis along which both loops lie side by "
+        "side, then the other axis.",
+    )
+    width: Displacement = Field(description="Extent along the first axis of the plane [m].")
+    height: Displacement = Field(description="Extent along the second axis of the plane [m].")
+    frequency: Frequency = Field(description="Number of complete figures per second [Hz].")
 
 
 AnyChannel = Annotated[
@@ -73,27 +106,43 @@ AnyChannel = Annotated[
 
 
 class BalanceParameters(Model):
-    """Both feet stay where they are; CoM, torso and hands follow the sum of their channels.
+    """Parameters of a motion on fixed feet that moves centre of mass (CoM), torso and hands.
 
-    Everything is eased in from the half-sitting posture and out to it. Hands without a channel are
-    not asked for anything.
+    Each of them follows the sum of its channels. The motion begins and ends in the half-sitting
+    posture. A hand without a channel has no task.
     """
 
-    duration: float = Field(gt=0.0, le=MAX_SECONDS, description="Of the whole motion [s].")
-    rest: float = Field(0.5, ge=0.0, le=60.0, description="At rest, at either end [s].")
-    ease: float = Field(1.0, gt=0.0, le=60.0, description="Fading in, and fading out [s].")
+    duration: float = Field(gt=0.0, le=MAX_SECONDS, description="Duration of the whole motion [s].")
+    rest: float = Field(
+        0.5, ge=0.0, le=60.0, description="Duration of rest at the start and at the end [s]."
+    )
+    ease: float = Field(
+        1.0,
+        gt=0.0,
+        le=60.0,
+        description="Duration over which the displacements grow from 0 after the first rest and "
+        "decrease to 0 before the last rest [s].",
+    )
     com_height: float | None = Field(
-        None, ge=1e-3, le=3.0, description="Height that com_z adds to [m]; null: posture."
+        None,
+        ge=1e-3,
+        le=3.0,
+        description="Height of the CoM above the ground without displacement [m]; null: height in "
+        "the half-sitting posture of the robot.",
     )
     com_tolerance: float = Field(
         COM_TOLERANCE,
         gt=0.0,
         le=1.0,
-        description="How far the CoM may stay behind its reference [m]; more than the default "
-        "where more is asked than the robot can reach, which ik1 to ik5 are made for.",
+        description="Largest allowed distance of the CoM from its reference [m]. Increase it if "
+        "channels are beyond the reach of the robot; the solvers ik1 to ik5 then come as close "
+        "as possible.",
     )
     channels: list[AnyChannel] = Field(
-        min_length=1, max_length=100, description="What moves; channels of the same task add up."
+        min_length=1,
+        max_length=100,
+        description="Displacements of CoM, torso and hands over time; channels of the same task "
+        "are added.",
     )
 
     @model_validator(mode="after")
@@ -101,7 +150,7 @@ class BalanceParameters(Model):
         ends = 2.0 * (self.rest + self.ease)
         if not self.duration > ends:
             raise ValueError(
-                f"duration = {self.duration:g} s leaves nothing between the ends, which take "
-                f"2 (rest + ease) = {ends:g} s; lengthen duration"
+                f"duration = {self.duration:g} s leaves no time for the motion: its ends take "
+                f"2 (rest + ease) = {ends:g} s; use a longer duration"
             )
         return self

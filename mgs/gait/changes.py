@@ -1,4 +1,4 @@
-"""Changes of single values of a gait, as texts of the command line or as settings in Python."""
+"""Changes of single values of a gait: texts on the command line or settings in Python."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from mgs.core.config import read_assignment, set_value
 class Change(NamedTuple):
     """A new value of one key of a gait file."""
 
-    key: str  # dotted, such as walk.n_steps
-    value: Any  # numbers, texts, lists and dictionaries, as a YAML file holds them
+    key: str  # dotted path, such as walk.n_steps
+    value: Any  # number, text, list or dictionary, as in a YAML file
     source: str  # name of the command's option or of the function's argument, for messages
 
     @property
@@ -28,19 +28,19 @@ def changes_of(
 
     Args:
         assignments: texts of the form `dotted.key=value`, the value as YAML.
-        settings: values by key. A key is dotted or, since no Python argument may hold a dot,
-            has two underscores in the place of each dot. A dictionary changes the keys that it
-            holds and leaves the others of its block as they are.
+        settings: values by key. A key is a dotted path, or has two underscores instead of each
+            dot, because names of Python arguments cannot contain dots. A dictionary changes only
+            the keys that it contains.
 
     Raises:
-        ConfigError: an assignment has another form.
+        ConfigError: an assignment is not of this form.
     """
     written = (Change(*read_assignment(text), "--set") for text in assignments)
     return (*written, *_from_settings(settings or {}))
 
 
 def apply(changes: Iterable[Change], tree: Any) -> None:
-    """Change nested dictionaries in place; raises ConfigError where a key leads nowhere."""
+    """Change nested dictionaries in place; raises ConfigError if a key leads to no group."""
     for key, value, source in changes:
         set_value(tree, key, value, source)
 
@@ -55,7 +55,7 @@ def _from_settings(settings: Mapping[str, object], group: str = "") -> Iterator[
 
 
 def _plain(value: Any) -> Any:
-    """Tuples as lists, numbers and arrays of NumPy as Python's, as a YAML file would give them."""
+    """Value as in a YAML file: tuples become lists, NumPy values become Python values."""
     if isinstance(value, Mapping):
         return {key: _plain(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):

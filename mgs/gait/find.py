@@ -1,4 +1,4 @@
-"""Where gait files are: at a path, or among those that ship."""
+"""Search for gait files: by path, or by the name of a shipped gait."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from mgs.core.shipped import shipped_folder
 
 
 def find_gait(name_or_path: str | Path, folder: Path | None = None) -> Path:
-    """Path of a gait given by path or shipped name; raises ConfigError listing what ships.
+    """Path of a gait given by path or by name; raises ConfigError with all shipped names.
 
-    A path is relative to `folder`; None: to the working directory. Gaits for any robot, those of
-    the shipped folder `generic`, may be called by their last name alone.
+    A path is relative to `folder`; None: to the working directory. Gaits in the shipped folder
+    `generic`, which suit any robot, may be named without their folder.
     """
     path = (folder or Path()) / name_or_path
     if is_file(path):

@@ -1,4 +1,4 @@
-"""The block `ik` of a gait file."""
+"""The block `ik` of a gait file: choice and parameters of the inverse kinematics solver."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PartName = Literal["soles", "torso", "com", "com_xy", "com_z", "hands"]
 
 
 def _off_of_yaml(value: object) -> object:
-    """YAML 1.1 reads an unquoted off as false."""
+    """Text for an unquoted off, which YAML 1.1 reads as false."""
     return "off" if value is False else value
 
 
@@ -25,71 +25,114 @@ SharingName = Annotated[Literal["off", "shared", "optimal"], BeforeValidator(_of
 
 
 class FarajiParameters(Model):
-    """Inverse kinematics ik1 to ik5 (Faraji and Ijspeert): hard rows, soft rows, safety region."""
+    """Parameters of the solvers ik1 to ik5: hard and soft tasks, safety region of the joints.
+
+    S. Faraji and A. J. Ijspeert, "Singularity-tolerant inverse kinematics for bipedal robots: An
+    efficient use of computational power to reduce energy consumption", IEEE Robotics and Automation
+    Letters, 2017.
+    """
 
     hard: list[TaskName] = Field(
-        ["soles", "torso", "hands"], description="Tasks met exactly; those not asked for are left."
+        ["soles", "torso", "hands"],
+        description="Hard tasks, which are met exactly; a task without a reference in the motion "
+        "is ignored.",
     )
     soft: dict[TaskName, Weight] = Field(
         {"com": [1.0, 1.0, 1.0]},
-        description="Tasks that may be compromised, with the weights Q of their x, y, z.",
+        description="Soft tasks, which may be compromised, each with the weights Q of its x, y "
+        "and z components.",
     )
     damping: float = Field(
         1e-4,
         gt=0.0,
         le=1e3,
-        description="R, weight of the joint steps; 1e-2 where a leg stretches in ik1 to ik3.",
+        description="Weight R of the squared joint steps; use 1e-2 for ik1 to ik3 if a leg "
+        "stretches.",
     )
     gamma: float = Field(
-        10.0, ge=0.0, le=1e3, description="Weight of the task velocity in ik4 and ik5."
+        10.0,
+        ge=0.0,
+        le=1e3,
+        description="Weight of the task velocity error in the solvers ik4 and ik5.",
     )
     gamma_rows: Literal["soft", "all"] = Field(
-        "soft", description="Rows that gamma acts on; all: as eq. (8) is printed."
+        "soft",
+        description="Tasks to which gamma applies. soft: soft tasks only; all: hard and soft "
+        "tasks, as in equation (8) of the paper.",
     )
     region: Literal["ellipse", "polygon"] = Field(
-        "ellipse", description="Shape of the safety region of position and speed (ik3 to ik5)."
+        "ellipse",
+        description="Shape of the safety region of joint position and speed, for ik3 to ik5.",
     )
     speed_max: float | None = Field(
-        None, gt=0.0, le=100.0, description="Joint speed mid-range [rad/s]; null: the robot's."
+        None,
+        gt=0.0,
+        le=100.0,
+        description="Largest joint speed in the middle of the joint range [rad/s]; null: speed "
+        "limits of the robot.",
     )
     margin: float = Field(
-        0.0, ge=0.0, le=1.0, description="q_s, distance kept from the joint limits [rad]."
+        0.0,
+        ge=0.0,
+        le=1.0,
+        description="Distance q_s that is kept from the joint limits [rad].",
     )
     posture_weight: float | None = Field(
         None,
         ge=0.0,
         le=1.0,
-        description="Pull to the half-sitting posture, as a part of the soft tasks' weight [m^2]; "
-        "null: 1e-6 if joints are left over, else 0.",
+        description="Weight of the deviation from the half-sitting posture, relative to the "
+        "weights of the soft tasks [m^2]; null: 1e-6 if the tasks leave joints undetermined, "
+        "else 0.",
     )
 
     @model_validator(mode="after")
     def _each_task_once(self) -> FarajiParameters:
         if twice := set(self.hard) & set(self.soft):
-            raise ValueError(f"{min(twice)} is both hard and soft; keep it in one of them")
+            raise ValueError(
+                f"{min(twice)} is both a hard and a soft task; remove it from one of the two lists"
+            )
         if not self.hard or not self.soft:
-            raise ValueError("both hard and soft want at least one task")
+            raise ValueError("hard and soft need at least one task each")
         return self
 
 
 class PrioritizedParameters(Model):
-    """Prioritised floating-base inverse kinematics (Mistry et al.): three levels of tasks."""
+    """Parameters of the prioritized solvers: three levels of tasks on a floating base.
+
+    M. Mistry, J. Nakanishi, G. Cheng and S. Schaal, "Inverse kinematics with floating base and
+    constraints for full body humanoid robot control", IEEE-RAS Humanoids, 2008.
+    """
 
     critical: list[PartName] = Field(
-        ["soles", "com_xy"], description="Level A, met whatever the others ask."
+        ["soles", "com_xy"],
+        description="Tasks of the highest priority (level A), which the lower levels cannot "
+        "disturb; soles must be among them.",
     )
-    functional: list[PartName] = Field(["hands"], description="Level B.")
-    extraneous: list[PartName] = Field(["torso", "com_z"], description="Level E.")
+    functional: list[PartName] = Field(
+        ["hands"], description="Tasks of the middle priority (level B)."
+    )
+    extraneous: list[PartName] = Field(
+        ["torso", "com_z"], description="Tasks of the lowest priority (level E)."
+    )
     null_space: Literal["tracking", "projected"] = Field(
         "tracking",
-        description="tracking: (J_B N_A)^+, lower levels are met where they can be; projected: "
-        "N_A J_B^+ as in eq. (16).",
+        description="Formula for the lower levels, with J_B the Jacobian of level B and N_A the "
+        "null-space projector of level A. tracking: (J_B N_A)^+, which meets a lower level exactly "
+        "if this is possible; projected: N_A J_B^+, as in equation (16) of the paper.",
     )
     feedback: float = Field(
-        0.5, gt=0.0, le=1.0, description="Share of a task error that is taken back per sample."
+        0.5,
+        gt=0.0,
+        le=1.0,
+        description="Fraction of a task error that is corrected in each sampling period.",
     )
     handover: float = Field(
-        0.1, ge=0.0, le=2.0, description="Time to blend constraint sets at a support switch [s]."
+        0.1,
+        ge=0.0,
+        le=2.0,
+        description="Duration of the transition between the contact constraints of two support "
+        "phases [s].",
     )
 
     @model_validator(mode="after")
@@ -101,71 +144,108 @@ class PrioritizedParameters(Model):
         ]
         for part in parts:
             if parts.count(part) > 1:
-                raise ValueError(f"{part} stands in two levels; keep it in one of them")
+                raise ValueError(f"{part} is in two levels; remove it from one of them")
         if "soles" not in self.critical:
-            raise ValueError("soles have to be critical: without them the base is not determined")
+            raise ValueError(
+                "soles must be in critical: without them the pose of the base is undetermined"
+            )
         return self
 
 
 class TrajectoryParameters(Model):
-    """Null-space motion of the whole motion at once: weights of what is least in sum."""
+    """Parameters of the solver trajectory, which optimizes the joint angles of all samples at once.
+
+    It minimizes a weighted sum of costs over the motion, with all tasks as constraints.
+    """
 
     start: Literal["free", "posture"] = Field(
         "free",
-        description="free: begin in the best posture; posture: as close to half-sitting as clik.",
+        description="Initial posture. free: the posture of least cost; posture: the initial "
+        "posture of the solver clik, which is as close to the half-sitting posture as the tasks "
+        "permit.",
     )
-    weight_joint: float = Field(0.35, ge=0.0, le=1e3, description="Weight of H_joint.")
+    weight_joint: float = Field(
+        0.35,
+        ge=0.0,
+        le=1e3,
+        description="Weight of the joint-limit cost H_joint, which grows with the distance of "
+        "joints from the middle of their ranges.",
+    )
     weight_grav: float = Field(
-        1.6, ge=0.0, le=1e3, description="Weight of H_grav [1/(N m)^2], scaled as gamma_grav."
+        1.6,
+        ge=0.0,
+        le=1e3,
+        description="Weight of the gravity-torque cost H_grav, the sum of squared static joint "
+        "torques [1/(N m)^2].",
     )
     weight_acceleration: float = Field(
-        3e-5, gt=0.0, le=1e3, description="Weight of the squared joint accelerations [s^4/rad^2]."
+        3e-5,
+        gt=0.0,
+        le=1e3,
+        description="Weight of the squared joint accelerations [s^4/rad^2].",
     )
     weight_limit: float = Field(
-        0.003, ge=0.0, le=1e3, description="Weight of the barrier before the joint limits."
+        0.003,
+        ge=0.0,
+        le=1e3,
+        description="Weight of the barrier function that keeps joints inside their limits.",
     )
-    iterations: int = Field(20, ge=0, le=1000, description="At most.")
+    iterations: int = Field(20, ge=0, le=1000, description="Largest number of iterations.")
     tolerance: float = Field(
         1e-3,
         ge=1e-12,
         le=1.0,
-        description="Part of the objective that an iteration has to gain for another to follow.",
+        description="Relative decrease of the cost below which the iteration stops.",
     )
 
 
 class IkParameters(Model):
-    """Inverse kinematics (stage 4)."""
+    """Inverse kinematics: solver, its parameters, and what happens at joint limits."""
 
     solver: SolverName = Field(
-        "clik", description="Name of the IK solver, one of mgs or one of another package."
+        "clik",
+        description="Name of the inverse kinematics solver. clik: closed-loop inverse kinematics; "
+        "ik1 to ik5: hard and soft tasks; prioritized, prioritized-acceleration: three priority "
+        "levels; trajectory: optimization of all samples at once; any other name: a solver of "
+        "another package.",
     )
     gamma_joint: float = Field(
-        0.35, ge=0.0, le=1e3, description="clik: gain of the joint-limit gradient [rad^2/s]."
+        0.35,
+        ge=0.0,
+        le=1e3,
+        description="Gain of the null-space motion that keeps joints away from their limits "
+        "[rad^2/s]; for the solver clik.",
     )
     gamma_grav: float = Field(
         0.0,
         ge=0.0,
         le=1e3,
-        description="clik: gain of the gravity-torque gradient [1/((N m)^2 s)].",
+        description="Gain of the null-space motion that reduces static joint torques "
+        "[1/((N m)^2 s)]; for the solver clik; 0: none.",
     )
     gamma_grav_ramp: float = Field(
         0.2,
         ge=1e-4,
         le=10.0,
-        description="clik: time over which gamma_grav falls before double support [s].",
+        description="Duration over which null-space motion sets in at the start and fades out at "
+        "the end of the motion [s]; for the solver clik. With double_support: off also the "
+        "duration over which gamma_grav decreases to zero before each double support and "
+        "increases after it.",
     )
     double_support: SharingName = Field(
         "shared",
-        description="clik, trajectory: how two soles share the weight in the gravity task; off: "
-        "gamma_grav is 0 in double support; shared: as the ZMP is shared; optimal: with the least "
-        "torque inside friction and sole limits.",
+        description="Load distribution between both soles for the static joint torques in double "
+        "support, for the solvers clik and trajectory. off: torques are ignored in double "
+        "support; shared: in the proportion that the ZMP reference gives; optimal: the "
+        "distribution of least torque inside friction cones and soles.",
     )
     iterations: int | None = Field(
         None,
         ge=0,
         le=50,
-        description="clik: task-only Newton updates per sample, null: until the tolerance is met; "
-        "ik2, ik4, ik5: n, null: 15.",
+        description="Number of iterations in each sampling period. For clik: Newton updates after "
+        "the step; null: as many as the tolerance needs, normally none. For ik2, ik4 and ik5: "
+        "iterations n, at least 1; null: 15.",
     )
     torso: Literal["free", "upright", "hold"] = Field(
         "free",
@@ -174,13 +254,24 @@ class IkParameters(Model):
         "orientation in the half-sitting posture, turned with the soles.",
     )
     on_limit: Literal["refuse", "record"] = Field(
-        "refuse", description="What to do when a joint leaves its range."
+        "refuse",
+        description="Reaction to a joint that leaves its range and, in the solvers other than clik "
+        "and trajectory, to a task that is missed. refuse: no motion is made; record: the motion "
+        "is made, and mgs validate reports the violation.",
     )
-    faraji: FarajiParameters = Field(default_factory=FarajiParameters)
-    prioritized: PrioritizedParameters = Field(default_factory=PrioritizedParameters)
-    trajectory: TrajectoryParameters = Field(default_factory=TrajectoryParameters)
+    faraji: FarajiParameters = Field(
+        default_factory=FarajiParameters, description="Parameters of the solvers ik1 to ik5."
+    )
+    prioritized: PrioritizedParameters = Field(
+        default_factory=PrioritizedParameters,
+        description="Parameters of the solvers prioritized and prioritized-acceleration.",
+    )
+    trajectory: TrajectoryParameters = Field(
+        default_factory=TrajectoryParameters, description="Parameters of the solver trajectory."
+    )
     parameters: dict[str, Any] = Field(
-        {}, description="Parameters of a solver from another package, whose guide lists them."
+        {},
+        description="Parameters of a solver of another package; its documentation lists them.",
     )
 
     @field_validator("parameters")
@@ -192,12 +283,12 @@ class IkParameters(Model):
 
 
 class WholeBodyIkParameters(IkParameters):
-    """Inverse kinematics where torso and joint postures are asked for too."""
+    """Inverse kinematics of motions that also prescribe the torso and joint postures."""
 
     solver: SolverName = Field(
         "ik4",
-        description="Name of the IK solver: ik1 to ik5, which keep to postures, or a solver of "
-        "another package.",
+        description="Name of the inverse kinematics solver: one of ik1 to ik5, which follow joint "
+        "postures, or a solver of another package.",
     )
 
     @field_validator("solver")
@@ -205,7 +296,7 @@ class WholeBodyIkParameters(IkParameters):
     def _keeps_to_postures(cls, solver: str) -> str:
         if solver in IK_SOLVERS.own and solver not in HARD_SOFT:
             raise ValueError(
-                f"{solver} cannot follow the posture of torso and joints that this motion asks "
-                f"for; use one of {', '.join(HARD_SOFT)}"
+                f"{solver} cannot follow the posture of torso and joints that this motion "
+                f"prescribes; use one of {', '.join(HARD_SOFT)}"
             )
         return solver

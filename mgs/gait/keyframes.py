@@ -1,4 +1,4 @@
-"""The block `keyframes` of a gait file: named instants that the body passes at rest."""
+"""The block `keyframes` of a gait file: postures that the body reaches one after another."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Turns = Annotated[list[Turn], Field(min_length=3, max_length=3)]
 
 
 def _switch_of_yaml(value: object) -> object:
-    """YAML 1.1 reads unquoted on and off as true and false."""
+    """Text for an unquoted on or off, which YAML 1.1 reads as true and false."""
     return {True: "on", False: "off"}[value] if isinstance(value, bool) else value
 
 
@@ -26,72 +26,102 @@ JointAngle = Annotated[float, Field(ge=-7.0, le=7.0)]
 
 
 class Keyframe(Model):
-    """Where the body shall be at one time; what it does not name stays as in the key before."""
+    """State of the body at one time; a quantity without a value keeps that of the key before.
 
-    time: float = Field(gt=0.0, le=MAX_SECONDS, description="When it is reached [s].")
-    hold: float = Field(0.0, ge=0.0, le=MAX_SECONDS, description="How long it is kept [s].")
-    rest: bool = Field(
-        False, description="First put everything back to where it is at rest, then what is named."
+    Axes of the world frame: x forward, y to the left, z up.
+    """
+
+    time: float = Field(
+        gt=0.0, le=MAX_SECONDS, description="Time at which the body reaches this state [s]."
     )
-    com: Vector | None = Field(None, description="CoM, displacement x, y, z from rest [m].")
+    hold: float = Field(
+        0.0, ge=0.0, le=MAX_SECONDS, description="Duration for which this state is held [s]."
+    )
+    rest: bool = Field(
+        False,
+        description="If true, all quantities return to their values at rest; other entries of the "
+        "key are applied afterwards.",
+    )
+    com: Vector | None = Field(
+        None,
+        description="Displacement x, y, z of the CoM from its position at rest [m]; null: as in "
+        "the key before.",
+    )
     crouch: float | None = Field(
         None,
         ge=-50.0,
         le=100.0,
-        description="CoM below where it is at rest, in per cent of the leg length; adds to com.",
+        description="Lowering of the CoM below its height at rest [% of the leg length]; negative: "
+        "raising; added to com; null: as in the key before.",
     )
     torso: Turns | None = Field(
-        None, description="Roll, pitch, yaw of the torso from where it is at rest [rad]."
+        None,
+        description="Roll, pitch and yaw of the torso relative to its orientation at rest [rad]; "
+        "null: as in the key before.",
     )
     left_hand: Vector | None = Field(
-        None, description="Displacement x, y, z from rest, world axes [m]."
+        None,
+        description="Displacement x, y, z of the left hand from its position at rest [m]; null: as "
+        "in the key before.",
     )
     right_hand: Vector | None = Field(
-        None, description="Displacement x, y, z from rest, world axes [m]."
+        None,
+        description="Displacement x, y, z of the right hand from its position at rest [m]; null: "
+        "as in the key before.",
     )
     posture: dict[str, JointAngle] = Field(
         {},
-        description="Joint angles of arms, head and waist, without balance of legs too [rad].",
+        description="Joint angles by joint [rad]: of arms, head and waist, and with balance: off "
+        "of the legs too; other joints keep their angles.",
     )
 
 
 class KeyframesParameters(Model):
-    """Both feet stay where they are; the body goes from key to key, minimum jerk in between.
+    """Parameters of a motion on fixed feet from key to key, with minimum jerk in between.
 
-    It begins in the half-sitting posture. The torso is as at rest unless a key turns it. A hand
-    that some key names is led through the whole motion, its arm's joints follow; all other joints
-    of arms, head and waist go by `posture`.
+    The motion begins in the half-sitting posture. If any key names a hand, this hand is a task
+    during the whole motion and the joints of its arm follow; all other joints of arms, head and
+    waist follow `posture`.
     """
 
     balance: Switch = Field(
         "on",
-        description="off: keys are joint postures alone, nothing is said about balance on the way, "
-        "and the motion passes if the robot stands at its end.",
+        description="Whether balance is planned. on: the robot stands on both feet during the "
+        "motion; off: keys are joint postures only, and the motion passes if the robot stands at "
+        "its end.",
     )
     lying: Literal["front", "back"] | None = Field(
-        None, description="What it lies on at the start, without balance; null: it stands."
+        None,
+        description="Side on which the robot lies at the start, for balance: off; null: the robot "
+        "stands.",
     )
     begin: dict[str, JointAngle] = Field(
-        {}, description="Joint angles at the start, without balance; the others half-sitting [rad]."
+        {},
+        description="Initial joint angles by joint [rad], for balance: off; other joints start in "
+        "the half-sitting posture.",
     )
-    rest: float = Field(0.5, ge=0.0, le=60.0, description="At rest, at either end [s].")
+    rest: float = Field(
+        0.5, ge=0.0, le=60.0, description="Duration of rest at the start and at the end [s]."
+    )
     com_tolerance: float = Field(
         COM_TOLERANCE,
         gt=0.0,
         le=1.0,
-        description="How far the CoM may stay behind its reference [m]; more than the default "
-        "where more height is asked than the legs have.",
+        description="Largest allowed distance of the CoM from its reference [m]. Increase it if "
+        "keys ask for more height than the legs can reach.",
     )
-    keys: list[Keyframe] = Field(min_length=1, max_length=200, description="In order of time.")
+    keys: list[Keyframe] = Field(
+        min_length=1, max_length=200, description="States of the body, in order of time."
+    )
 
     @property
     def duration(self) -> float:
-        """Of the whole motion [s]."""
+        """Duration of the whole motion [s]."""
         last = self.keys[-1]
         return last.time + last.hold + self.rest
 
     @model_validator(mode="after")
-    def _asks_of_the_body_what_it_can_keep(self) -> KeyframesParameters:
+    def _has_the_keys_of_its_kind_of_balance(self) -> KeyframesParameters:
         if self.balance == "on":
             for name in ("lying", "begin"):
                 if getattr(self, name):
@@ -101,8 +131,8 @@ class KeyframesParameters(Model):
             for name in ("com", "crouch", "torso", "left_hand", "right_hand"):
                 if getattr(key, name) is not None:
                     raise ValueError(
-                        f"keys.{i}.{name}: without balance nobody knows where the base is; name "
-                        "joints in posture, or leave out balance: off"
+                        f"keys.{i}.{name}: unknown without balance, which leaves the pose of the "
+                        "base open; name joints in posture, or leave out balance: off"
                     )
         return self
 
@@ -110,14 +140,14 @@ class KeyframesParameters(Model):
     def _comes_in_order(self) -> KeyframesParameters:
         if not self.keys[0].time > self.rest:
             raise ValueError(
-                f"keys.0.time = {self.keys[0].time:g} s is within the rest of {self.rest:g} s that "
-                "the motion begins with; use a later time or a shorter rest"
+                f"keys.0.time = {self.keys[0].time:g} s is within the rest of {self.rest:g} s at "
+                "the start of the motion; use a later time or a shorter rest"
             )
         for i, (before, after) in enumerate(itertools.pairwise(self.keys), start=1):
             leaves = before.time + before.hold
             if not after.time > leaves:
                 raise ValueError(
-                    f"keys.{i}.time = {after.time:g} s is not after {leaves:g} s, when the key "
-                    "before it ends; use a later time"
+                    f"keys.{i}.time = {after.time:g} s is not after the end of the key before, "
+                    f"{leaves:g} s; use a later time"
                 )
         return self

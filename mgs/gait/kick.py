@@ -1,4 +1,4 @@
-"""The block `kick` of a gait file."""
+"""The block `kick` of a gait file: ball, strike and timing of a kick."""
 
 from __future__ import annotations
 
@@ -9,58 +9,95 @@ from pydantic import Field
 from mgs.core.config import Model
 from mgs.gait.walk import Duration, Length
 
-Way = Annotated[float, Field(gt=0.0, le=1.0)]
+Distance = Annotated[float, Field(gt=0.0, le=1.0)]
 
 
 class BallParameters(Model):
-    """A ball on the ground; x ahead, y left of the middle between the soles at the start."""
+    """A ball on the ground.
+
+    The origin of the world frame lies on the ground midway between the soles at the start; x points
+    forward, y to the left.
+    """
 
     x: Annotated[float, Field(ge=-2.0, le=2.0)] | None = Field(
-        None, description="Centre [m]; null: where the foot strikes at its best."
+        None,
+        description="Position of the centre of the ball along x [m]; null: the best position for "
+        "the strike.",
     )
     y: Annotated[float, Field(ge=-2.0, le=2.0)] | None = Field(
-        None, description="Centre [m]; null: ahead of the kicking foot."
+        None,
+        description="Position of the centre of the ball along y [m]; null: in front of the kicking "
+        "foot.",
     )
-    radius: float = Field(0.0325, gt=0.0, le=0.5, description="[m]")
-    mass: float = Field(0.05, gt=0.0, le=10.0, description="[kg]")
+    radius: float = Field(0.0325, gt=0.0, le=0.5, description="Radius of the ball [m].")
+    mass: float = Field(0.05, gt=0.0, le=10.0, description="Mass of the ball [kg].")
 
 
 class KickParameters(Model):
-    """One kick: stand on the other foot, swing back, strike through the ball, come back, stand."""
+    """Parameters of a kick: weight shift, back-swing, strike through the ball, and return."""
 
-    foot: Literal["left", "right"] = Field("right", description="Foot that kicks.")
-    ball: BallParameters = Field(default_factory=BallParameters, description="Ball that is struck.")
+    foot: Literal["left", "right"] = Field("right", description="Foot that kicks the ball.")
+    ball: BallParameters = Field(default_factory=BallParameters, description="Ball that is kicked.")
     direction: float = Field(
-        0.0, ge=-1.0, le=1.0, description="Where the ball shall go; positive: to the left [rad]."
+        0.0,
+        ge=-1.0,
+        le=1.0,
+        description="Direction of the kick [rad]; 0: forward; positive: to the left.",
     )
     speed: Annotated[float, Field(gt=0.0, le=10.0)] | None = Field(
-        None, description="Of the sole at contact [m/s]; null: from the length of the legs."
-    )
-    height: Way | None = Field(
         None,
-        description="Of the sole above the ground [m]; null: the ball's middle.",
+        description="Speed of the sole at contact with the ball [m/s]; null: derived from the leg "
+        "length.",
     )
-    back_swing: Way | None = Field(
-        None, description="Way back from where the foot stands [m]; null: from the legs' length."
+    height: Distance | None = Field(
+        None,
+        description="Height of the sole above the ground during the strike [m]; null: derived from "
+        "the radius of the ball.",
     )
-    follow_through: Way | None = Field(
-        None, description="Way on beyond the contact [m]; null: from the legs' length."
+    back_swing: Distance | None = Field(
+        None,
+        description="Distance by which the foot is drawn back from its position at rest [m]; null: "
+        "derived from the leg length.",
+    )
+    follow_through: Distance | None = Field(
+        None,
+        description="Distance that the foot travels beyond the contact with the ball [m]; null: "
+        "derived from the leg length.",
     )
     step_width: float | None = Field(
-        None, gt=0.0, le=2.0, description="Distance of the soles [m]; null: as in the posture."
+        None,
+        gt=0.0,
+        le=2.0,
+        description="Lateral distance of the sole centres [m]; null: their distance in the "
+        "half-sitting posture of the robot.",
     )
     com_height: float | None = Field(
-        None, ge=1e-3, le=3.0, description="Height of the CoM above the ground [m]; null: posture."
+        None,
+        ge=1e-3,
+        le=3.0,
+        description="Height of the CoM above the ground [m]; null: height in the half-sitting "
+        "posture of the robot.",
     )
     zmp_offset: Annotated[list[Length], Field(min_length=2, max_length=2)] = Field(
         [0.0, 0.0],
-        description="Place of the ZMP in the support sole: forward and inward of its centre [m].",
+        description="Reference position of the ZMP on the support sole: forward and inward "
+        "distance from the centre of the sole [m].",
     )
     lead_in: Duration = Field(
-        1.8, description="Rest before the weight shift [s]; at least the preview window."
+        1.8,
+        description="Duration of rest before the weight shift [s]; not shorter than com.preview.",
     )
-    shift: Duration = Field(0.8, description="Weight shift onto the support foot, and back [s].")
-    lift: Duration = Field(0.3, description="Raising the foot, and lowering it [s].")
-    draw: Duration = Field(0.4, description="Swinging it back [s].")
-    recover: Duration = Field(0.5, description="From the end of the swing back to its place [s].")
-    lead_out: Duration = Field(1.8, description="Rest after the last weight shift [s].")
+    shift: Duration = Field(
+        0.8, description="Duration of the weight shift onto the support foot, and of that back [s]."
+    )
+    lift: Duration = Field(0.3, description="Duration of raising the foot, and of lowering it [s].")
+    draw: Duration = Field(0.4, description="Duration of drawing the foot back [s].")
+    recover: Duration = Field(
+        0.5,
+        description="Duration of the return from the end of the swing to the position at rest [s].",
+    )
+    lead_out: Duration = Field(
+        1.8,
+        description="Duration of rest after the last weight shift [s]; not shorter than "
+        "com.preview.",
+    )

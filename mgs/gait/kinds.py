@@ -1,4 +1,4 @@
-"""The kinds of gait file, one for each kind of motion."""
+"""Gait files: one model for each kind of motion."""
 
 from __future__ import annotations
 
@@ -14,80 +14,86 @@ from mgs.core.arrays import Array
 from mgs.core.config import FormatVersion, Model
 from mgs.core.constants import COM_TOLERANCE
 from mgs.core.geometry import quintic
+from mgs.core.short_text import clipped
 from mgs.gait.balance import BalanceParameters
+from mgs.gait.com import ComParameters
 from mgs.gait.ik import IkParameters, WholeBodyIkParameters
 from mgs.gait.keyframes import KeyframesParameters
 from mgs.gait.kick import KickParameters
 from mgs.gait.pick_up import PickUpParameters
-from mgs.gait.walk import ComParameters, WalkParameters
+from mgs.gait.walk import WalkParameters
 
-MAX_SAMPLES = 2_000_000  # about 5 GB of arrays
+MAX_SAMPLES = 2_000_000  # of one motion; their arrays take about 5 GB
 MAX_PARTS = 1000  # of a sequence
 
 
 class GaitFile(Model):
-    """What every gait file has."""
+    """Keys that every gait file has."""
 
-    mgs: FormatVersion = Field(description="Version of this format.")
+    mgs: FormatVersion = Field(description="Version of the file format.")
     robot: str | None = Field(
-        None, min_length=1, max_length=4096, description="Shipped robot or a robot folder."
+        None,
+        min_length=1,
+        max_length=4096,
+        description="Name of a shipped robot, or path of a robot folder; null: given by the option "
+        "--robot.",
     )
     motion: str
     dt: float = Field(0.01, ge=1e-4, le=0.1, description="Sampling period [s].")
 
     @property
     def com_tolerance(self) -> float:
-        """Largest distance of the CoM from its reference that passes [m]."""
+        """Largest allowed distance of the CoM from its reference [m]."""
         return COM_TOLERANCE
 
     @property
     def is_balanced(self) -> bool:
-        """Whether the plan knows at every sample how the robot stands."""
+        """Whether the robot stands on its soles, as planned, at every sample."""
         return True
 
     def payload(self, times: Array) -> Array | None:
-        """Masses (N, 2) in left and right hand at times (N,) [s]; None: none at any time."""
+        """Masses (N, 2) in left and right hand [kg] at times (N,) [s]; None: no payload."""
         return None
 
     def to_yaml(self) -> str:
-        """The gait as resolved, every default written out."""
+        """The gait as the text of a gait file that includes all defaults."""
         return yaml.safe_dump(self.model_dump(), sort_keys=False, default_flow_style=None)
 
     def __repr__(self) -> str:
         changed = self.model_dump(exclude_defaults=True, exclude={"mgs", "robot", "motion"})
         told = yaml.safe_dump(changed, sort_keys=False, default_flow_style=True, width=math.inf)
         robot = self.robot or "any robot"
-        return f"<{type(self).__name__} for {robot}: {_clipped(told.strip()[1:-1])}>"
+        return f"<{type(self).__name__} for {robot}: {clipped(told.strip()[1:-1], 160)}>"
 
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        """The gait file, every default written out, for a notebook."""
+        """The text of the gait file, all defaults included, for a notebook."""
         return f"<pre>{html.escape(self.to_yaml())}</pre>"
 
     def _refuse_too_long(self, duration: float, remedy: str) -> None:
         if duration / self.dt > MAX_SAMPLES:
             raise ValueError(
-                f"{duration:.0f} s at dt = {self.dt:g} s are {duration / self.dt:.2g} samples, "
-                f"{MAX_SAMPLES:g} allowed; use {remedy} or a larger dt"
+                f"{duration:.0f} s at dt = {self.dt:g} s are {duration / self.dt:.2g} samples; at "
+                f"most {MAX_SAMPLES:g} allowed; use {remedy} or a larger dt"
             )
-
-
-def _clipped(text: str, width: int = 160) -> str:
-    return text if len(text) <= width else f"{text[: width - 3]}..."
 
 
 class WalkGait(GaitFile):
     """A gait file with `motion: walk`."""
 
     motion: Literal["walk"] = Field(description="Kind of motion.")
-    walk: WalkParameters
-    com: ComParameters = Field(default_factory=ComParameters)
-    ik: IkParameters = Field(default_factory=IkParameters)
+    walk: WalkParameters = Field(description="Footsteps, timing and ZMP of the walk.")
+    com: ComParameters = Field(
+        default_factory=ComParameters, description="CoM motion and its correction."
+    )
+    ik: IkParameters = Field(
+        default_factory=IkParameters, description="Inverse kinematics solver and its parameters."
+    )
 
     @property
     def com_tolerance(self) -> float:
-        """Largest distance of the CoM from its reference that passes [m]."""
+        """Largest allowed distance of the CoM from its reference [m]."""
         return self.walk.com_tolerance
 
     @model_validator(mode="after")
@@ -108,9 +114,15 @@ class KickGait(GaitFile):
     """A gait file with `motion: kick`."""
 
     motion: Literal["kick"] = Field(description="Kind of motion.")
-    kick: KickParameters = Field(default_factory=KickParameters)
-    com: ComParameters = Field(default_factory=ComParameters)
-    ik: IkParameters = Field(default_factory=IkParameters)
+    kick: KickParameters = Field(
+        default_factory=KickParameters, description="Ball, strike and timing of the kick."
+    )
+    com: ComParameters = Field(
+        default_factory=ComParameters, description="CoM motion and its correction."
+    )
+    ik: IkParameters = Field(
+        default_factory=IkParameters, description="Inverse kinematics solver and its parameters."
+    )
 
     @model_validator(mode="after")
     def _rests_as_long_as_it_previews(self) -> KickGait:
@@ -118,7 +130,7 @@ class KickGait(GaitFile):
         return self
 
 
-ZmpGait = WalkGait | KickGait  # those whose CoM follows from the ZMP
+ZmpGait = WalkGait | KickGait  # kinds whose CoM motion follows from the ZMP reference
 
 
 def _require_rests(block: str, given: WalkParameters | KickParameters, com: ComParameters) -> None:
@@ -127,7 +139,8 @@ def _require_rests(block: str, given: WalkParameters | KickParameters, com: ComP
         if rest < com.preview:
             raise ValueError(
                 f"{block}.{key} = {rest:g} s is shorter than the preview window com.preview = "
-                f"{com.preview:g} s; the CoM would not be at rest: lengthen {block}.{key}"
+                f"{com.preview:g} s, so that the CoM would not be at rest; use a longer "
+                f"{block}.{key}"
             )
 
 
@@ -135,12 +148,14 @@ class BalanceGait(GaitFile):
     """A gait file with `motion: balance`."""
 
     motion: Literal["balance"] = Field(description="Kind of motion.")
-    balance: BalanceParameters
-    ik: IkParameters = Field(default_factory=IkParameters)
+    balance: BalanceParameters = Field(description="Displacements of CoM, torso and hands.")
+    ik: IkParameters = Field(
+        default_factory=IkParameters, description="Inverse kinematics solver and its parameters."
+    )
 
     @property
     def com_tolerance(self) -> float:
-        """Largest distance of the CoM from its reference that passes [m]."""
+        """Largest allowed distance of the CoM from its reference [m]."""
         return self.balance.com_tolerance
 
     @model_validator(mode="after")
@@ -153,17 +168,20 @@ class KeyframesGait(GaitFile):
     """A gait file with `motion: keyframes`."""
 
     motion: Literal["keyframes"] = Field(description="Kind of motion.")
-    keyframes: KeyframesParameters
-    ik: WholeBodyIkParameters = Field(default_factory=WholeBodyIkParameters)
+    keyframes: KeyframesParameters = Field(description="States of the body over time.")
+    ik: WholeBodyIkParameters = Field(
+        default_factory=WholeBodyIkParameters,
+        description="Inverse kinematics solver and its parameters.",
+    )
 
     @property
     def com_tolerance(self) -> float:
-        """Largest distance of the CoM from its reference that passes [m]."""
+        """Largest allowed distance of the CoM from its reference [m]."""
         return self.keyframes.com_tolerance
 
     @property
     def is_balanced(self) -> bool:
-        """Whether the plan knows at every sample how the robot stands."""
+        """Whether the robot stands on its soles, as planned, at every sample."""
         return self.keyframes.balance == "on"
 
     @model_validator(mode="after")
@@ -176,11 +194,14 @@ class PickUpGait(GaitFile):
     """A gait file with `motion: pick_up`."""
 
     motion: Literal["pick_up"] = Field(description="Kind of motion.")
-    pick_up: PickUpParameters
-    ik: WholeBodyIkParameters = Field(default_factory=WholeBodyIkParameters)
+    pick_up: PickUpParameters = Field(description="Object, hand and timing.")
+    ik: WholeBodyIkParameters = Field(
+        default_factory=WholeBodyIkParameters,
+        description="Inverse kinematics solver and its parameters.",
+    )
 
     def payload(self, times: Array) -> Array | None:
-        """Masses (N, 2) in left and right hand [kg]; they grow over the pause."""
+        """Masses (N, 2) in left and right hand [kg]; they increase during the pause."""
         pick_up = self.pick_up
         if not pick_up.payload:
             return None
@@ -194,56 +215,62 @@ SingleGait = WalkGait | KickGait | BalanceGait | KeyframesGait | PickUpGait
 
 
 def _as_written(schema: dict[str, Any]) -> None:
-    """In a file a part may name its gait and change it; reading puts the outcome in its place."""
+    """Allow the name of a gait and the key `set`, which reading replaces by the resulting gait."""
     gait = schema["properties"]["gait"]
     named = {"type": "string", "minLength": 1}
     schema["properties"]["gait"] = {
         "description": gait.pop("description"), "anyOf": [named, gait]
     }  # fmt: skip
     schema["properties"]["set"] = {
-        "description": "Changes of the gait, applied on reading, such as walk.n_steps: 4.",
+        "description": "Changes of the gait by dotted keys, such as {walk.n_steps: 4}.",
         "type": "object",
     }
 
 
 class SequencePart(Model):
-    """One gait of a sequence, once or several times in a row."""
+    """Part of a sequence: one gait, performed once or several times in a row."""
 
     model_config = ConfigDict(json_schema_extra=_as_written)
 
     name: str = Field(
-        "", max_length=200, description="For messages; empty: that of the gait file, or its motion."
+        "",
+        max_length=200,
+        description="Name of the part in messages; empty: the name of the gait, or its kind of "
+        "motion.",
     )
     gait: SingleGait = Field(
         discriminator="motion",
-        description="Shipped gait, a path from the file's own folder, or the gait itself.",
+        description="Gait of the part: name of a shipped gait; or path of a gait file, relative "
+        "to the folder of the sequence file; or the keys of a gait file.",
     )
-    repeat: int = Field(1, ge=1, le=MAX_PARTS, description="Times that it is done.")
+    repeat: int = Field(1, ge=1, le=MAX_PARTS, description="Number of repetitions.")
 
     @property
     def label(self) -> str:
-        """What messages call it."""
+        """Name of the part in messages."""
         return self.name or self.gait.motion
 
 
 class SequenceParameters(Model):
-    """Gaits that follow one another; each begins where the one before has ended."""
+    """Parameters of a sequence: gaits one after another, each from where the one before ended."""
 
     parts: list[SequencePart] = Field(
-        min_length=1, max_length=MAX_PARTS, description="In this order."
+        min_length=1,
+        max_length=MAX_PARTS,
+        description="Parts in the order in which they are performed.",
     )
     transition: float = Field(
         1.0,
         ge=0.0,
         le=60.0,
-        description="Time between two parts of which one does not begin in the posture that the "
-        "other ends in [s]; 0: refuse it.",
+        description="Duration of the transition between two parts if the second part does not "
+        "begin in the final posture of the first [s]; 0: such parts are refused.",
     )
 
     @model_validator(mode="after")
     def _are_not_too_many(self) -> SequenceParameters:
         if (n := sum(part.repeat for part in self.parts)) > MAX_PARTS:
-            raise ValueError(f"parts and their repetitions are {n}, {MAX_PARTS} allowed")
+            raise ValueError(f"{n} parts with their repetitions; at most {MAX_PARTS} allowed")
         return self
 
 
@@ -251,11 +278,11 @@ class SequenceGait(GaitFile):
     """A gait file with `motion: sequence`."""
 
     motion: Literal["sequence"] = Field(description="Kind of motion.")
-    sequence: SequenceParameters
+    sequence: SequenceParameters = Field(description="Gaits that follow one another.")
 
     @property
     def com_tolerance(self) -> float:
-        """Largest distance of the CoM from its reference that passes [m]: the widest of a part."""
+        """Largest allowed distance of the CoM from its reference [m]: the maximum of all parts."""
         return max(part.gait.com_tolerance for part in self.sequence.parts)
 
     @model_validator(mode="after")
@@ -264,18 +291,18 @@ class SequenceGait(GaitFile):
             where = f"sequence.parts.{i} ({part.label})"
             if part.gait.dt != self.dt:
                 raise ValueError(
-                    f"{where}: dt = {part.gait.dt:g} s, that of the sequence is {self.dt:g} s; "
-                    f"write set: {{dt: {self.dt:g}}} in this part"
+                    f"{where}: dt = {part.gait.dt:g} s differs from dt = {self.dt:g} s of the "
+                    f"sequence; add set: {{dt: {self.dt:g}}} to this part"
                 )
             if not part.gait.is_balanced or part.gait.payload(np.zeros(1)) is not None:
                 raise ValueError(
-                    f"{where}: motions without balance, and payloads, which stay in the hand, have "
-                    "no place in a sequence; make a motion of its own of this part"
+                    f"{where}: a motion without balance or with a payload cannot be part of a "
+                    "sequence; make a separate motion of it"
                 )
             if part.gait.robot not in (None, self.robot):
                 raise ValueError(
-                    f"{where}: made for {part.gait.robot}, the sequence for {self.robot}; write "
-                    f"set: {{robot: {self.robot}}} in this part to take it over"
+                    f"{where}: made for the robot {part.gait.robot}, but the sequence for "
+                    f"{self.robot}; add set: {{robot: {self.robot}}} to this part to adopt it"
                 )
         return self
 
@@ -292,6 +319,6 @@ GAITS: dict[str, type[Gait]] = {
 
 
 def gait_schema() -> dict[str, Any]:
-    """JSON schema of all kinds of gait file."""
+    """JSON schema of all kinds of gait files."""
     kinds: Any = Annotated[Gait, Field(discriminator="motion")]
     return TypeAdapter(kinds).json_schema()

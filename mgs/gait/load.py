@@ -1,4 +1,4 @@
-"""From a file or a shipped name to a gait."""
+"""Loading of gaits: from a file, a shipped name or a text."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def load_gait(
     """Read a gait file, or a shipped gait by name such as `melson/walk_5cm`.
 
     Args:
-        gait: a path, a name below the folder of shipped gaits, or a gait that is to be changed.
+        gait: a path, the name of a shipped gait, or a gait to be changed.
         assignments: `dotted.key=value`, applied before validation.
         settings: values by key, applied after the assignments: `walk__n_steps=6`,
             `walk={"n_steps": 6}` or `**{"walk.n_steps": 6}`.
@@ -52,11 +52,11 @@ def parse_gait(
     settings: Mapping[str, object] | None = None,
     any_name: bool = False,
 ) -> Gait:
-    """Gait from YAML text; raises ConfigError naming `source`.
+    """Gait from YAML text; raises ConfigError with `source` in its message.
 
-    A sequence may name other gait files, relative to `folder`; None: it has to hold everything.
-    Assignments and settings are those of `load_gait`. With `any_name` the solver and the generator
-    that the gait names need not be installed here.
+    A sequence may name other gait files, relative to `folder`; None: the text must contain all
+    gaits. Assignments and settings are those of `load_gait`. With `any_name` the solver and the
+    generator that the gait names need not be installed.
     """
     tree: Any = parse_yaml(text, source)
     changes = changes_of(assignments, settings)
@@ -70,7 +70,10 @@ def parse_gait(
 
 
 def _kind_of(tree: Any) -> type[Gait]:
-    """The kind that `motion` names; else one that refuses it and checks the block that is there."""
+    """Model of the kind of `motion`; for an unknown kind, of the block that the file contains.
+
+    The second one reports the unknown kind together with all other errors.
+    """
     kind = tree.get("motion") if isinstance(tree, dict) else None
     if isinstance(kind, str) and kind in GAITS:
         return GAITS[kind]

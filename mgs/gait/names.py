@@ -1,4 +1,4 @@
-"""Names of solvers and generators in a gait file, and parameters of those from other packages."""
+"""Names of solvers and generators in a gait file, and parameters of those of other packages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mgs.core.errors import ConfigError
 from mgs.core.plugins import COM_GENERATORS, IK_SOLVERS, Registry, unknown_name
 
 ANY_NAME: dict[str, object] = {"any_name": True}
-"""Context of a gait that is only read, on a machine that need not have what once made it."""
+"""Validation context of a gait that is only read: its solver need not be installed."""
 
 
 def _takes_any_name(info: ValidationInfo) -> bool:
@@ -31,7 +31,7 @@ def _known(registry: Registry) -> Callable[[str, ValidationInfo], str]:
 
 
 def _schema(registry: Registry) -> WithJsonSchema:
-    """Editors complete the names of mgs, and let any other name pass."""
+    """JSON schema with which editors complete the names of mgs and accept any other name."""
     return WithJsonSchema({"anyOf": [{"enum": list(registry.own)}, {"type": "string"}]})
 
 
@@ -42,7 +42,7 @@ GeneratorName = Annotated[str, AfterValidator(_known(COM_GENERATORS)), _schema(C
 def own_parameters(
     registry: Registry, key: str, given: dict[str, Any], info: ValidationInfo
 ) -> dict[str, Any]:
-    """Parameters of the solver or generator that `key` of the same block names, defaults filled in.
+    """Parameters of the solver or generator named by `key` of the same block, with defaults.
 
     The class behind the name, from another package, declares them as a pydantic model `Parameters`.
 
@@ -51,7 +51,9 @@ def own_parameters(
         MgsError: the package cannot be imported.
     """
     name = info.data.get(key)
-    if name is None or _takes_any_name(info):  # the name has already been refused, or is only read
+    if name is None or _takes_any_name(
+        info
+    ):  # the name has been refused already, or the gait is only read
         return given
     declared = None if name in registry.own else getattr(registry.load(name), "Parameters", None)
     if declared is None:

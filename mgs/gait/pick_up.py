@@ -1,4 +1,4 @@
-"""The block `pick_up` of a gait file: one hand or both go down to an object and come back."""
+"""The block `pick_up` of a gait file: one or both hands fetch an object from below."""
 
 from __future__ import annotations
 
@@ -14,36 +14,59 @@ Position = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
 
 
 class PickUpParameters(Model):
-    """Both feet stay down; the hand stops above the object, goes straight down, waits, comes back.
+    """Parameters of picking up an object on fixed feet.
 
-    World frame, origin on the ground midway between the soles; x forward, y left, z up.
+    The hand moves above the object, straight down, waits, moves straight up and returns to its
+    position at rest. The origin of the world frame lies on the ground midway between the soles; x
+    points forward, y to the left, z up.
     """
 
-    hand: Literal["left", "right", "both"] = Field("right", description="Which hand, or both.")
-    object: Position = Field(description="Where the hand goes, or the middle of both [m].")
+    hand: Literal["left", "right", "both"] = Field(
+        "right", description="Hand that picks up the object, or both hands."
+    )
+    object: Position = Field(
+        description="Target position x, y, z of the hand in the world frame [m]; for hand: both, "
+        "of the midpoint between the hands."
+    )
     width: float | None = Field(
-        None, gt=0.0, le=2.0, description="Between both hands [m]; null: as at rest."
+        None,
+        gt=0.0,
+        le=2.0,
+        description="Distance between both hands at the object [m], for hand: both; null: their "
+        "distance at rest.",
     )
     clearance: float | None = Field(
         None,
         gt=0.0,
         le=1.0,
-        description="How high above the object the hand stops first [m]; null: 15 per cent of the "
-        "leg length.",
+        description="Height above the object at which the hand stops first [m]; null: 15 per cent "
+        "of the leg length.",
     )
-    payload: float = Field(0.0, ge=0.0, le=100.0, description="Mass of the object [kg].")
-    approach: Duration = Field(2.0, description="To above the object [s].")
-    lower: Duration = Field(1.0, description="Down to it [s].")
+    payload: float = Field(
+        0.0,
+        ge=0.0,
+        le=100.0,
+        description="Mass of the object [kg], a point mass in the hand; half of it in each hand "
+        "for hand: both.",
+    )
+    approach: Duration = Field(2.0, description="Duration of the motion to above the object [s].")
+    lower: Duration = Field(1.0, description="Duration of the motion straight down [s].")
     pause: float = Field(
-        0.5, ge=0.0, le=60.0, description="To grasp, and to take over the payload's weight [s]."
+        0.5,
+        ge=0.0,
+        le=60.0,
+        description="Duration of the grasp, in which the weight of the payload passes to the hand "
+        "[s].",
     )
-    lift: Duration = Field(1.0, description="Straight up [s].")
-    back: Duration = Field(2.0, description="Back to where hand and body rest [s].")
-    rest: float = Field(0.5, ge=0.0, le=60.0, description="At rest, at either end [s].")
+    lift: Duration = Field(1.0, description="Duration of the motion straight up [s].")
+    back: Duration = Field(2.0, description="Duration of the return to the position at rest [s].")
+    rest: float = Field(
+        0.5, ge=0.0, le=60.0, description="Duration of rest at the start and at the end [s]."
+    )
 
     @property
     def times(self) -> tuple[float, ...]:
-        """Ends of rest, approach, lower, pause, lift and back [s]."""
+        """End times of rest, approach, lower, pause, lift and back [s]."""
         ends, t = [], 0.0
         for span in (self.rest, self.approach, self.lower, self.pause, self.lift, self.back):
             t += span
@@ -52,15 +75,17 @@ class PickUpParameters(Model):
 
     @property
     def duration(self) -> float:
-        """Of the whole motion [s]."""
+        """Duration of the whole motion [s]."""
         return self.times[-1] + self.rest
 
     @model_validator(mode="after")
     def _takes_its_load_in_time(self) -> PickUpParameters:
         if self.payload and not self.pause:
             raise ValueError(
-                f"payload = {self.payload:g} kg cannot be taken over in no time; give a pause"
+                f"payload = {self.payload:g} kg needs a pause above 0 s, in which the hand takes it"
             )
         if self.width is not None and self.hand != "both":
-            raise ValueError("width is the distance between both hands; leave it out or hand: both")
+            raise ValueError(
+                "width is the distance between both hands; leave it out or use hand: both"
+            )
         return self

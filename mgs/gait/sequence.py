@@ -1,4 +1,4 @@
-"""From a sequence as written to one that holds everything: named gaits read, changes applied."""
+"""Completion of sequences: named gaits are read, and changes are applied."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from mgs.gait.changes import Change, apply
 from mgs.gait.find import find_gait
 from mgs.gait.kinds import SequenceGait
 
-SHARED = ("robot", "dt")  # keys that a sequence and its parts have to agree on
+SHARED = ("robot", "dt")  # keys with the same value in a sequence and in all its parts
 
 
 def split_changes(changes: Iterable[Change]) -> tuple[list[Change], list[Change]]:
-    """Changes for the sequence itself and for each of its parts; `SHARED` keys are for both."""
+    """Changes of the sequence itself and of each of its parts; `SHARED` keys apply to both."""
     own, inner = [], []
     for change in changes:
         if change.block in SequenceGait.model_fields:
@@ -29,16 +29,16 @@ def split_changes(changes: Iterable[Change]) -> tuple[list[Change], list[Change]
 def resolve_parts(
     tree: Any, source: str | Path, folder: Path | None, changes: Sequence[Change]
 ) -> None:
-    """Put gaits in the place of their names, in place; what is malformed is left for validation.
+    """Replace names of gaits by the gaits, in place; malformed parts are left to validation.
 
     Args:
         tree: content of a gait file with `motion: sequence`.
-        source: of the tree, for messages.
-        folder: that paths of gaits are relative to; None: no other file may be read.
-        changes: for the gait of each part.
+        source: file or name of the tree, for messages.
+        folder: folder to which paths of gaits are relative; None: no other file may be read.
+        changes: changes of the gait of each part.
 
     Raises:
-        ConfigError: a gait is not found or not YAML, or is a sequence itself.
+        ConfigError: a gait is not found, is not valid YAML, or is a sequence itself.
     """
     block = tree.get("sequence")
     parts = block.get("parts") if isinstance(block, dict) else None
@@ -57,7 +57,9 @@ def _resolve(
     gait = part.get("gait")
     if isinstance(gait, str):
         if folder is None:
-            raise ConfigError("gait", f"{gait!r} is another file; write the gait itself here")
+            raise ConfigError(
+                "gait", f"{gait!r} is another file, which cannot be read here; write out its keys"
+            )
         path = find_gait(gait, folder)
         part.setdefault("name", gait)
         gait = part["gait"] = parse_yaml(read_text(path), path)
@@ -68,9 +70,9 @@ def _resolve(
     if not isinstance(gait, dict):
         return
     if gait.get("motion") == "sequence":
-        raise ConfigError("gait", "a sequence has no sequence among its parts; write its parts out")
+        raise ConfigError("gait", "a sequence cannot be part of a sequence; list its parts instead")
     written = part.pop("set", {})
     if not isinstance(written, dict):
-        raise ConfigError("set", "should be keys and values, such as {walk.n_steps: 4}")
+        raise ConfigError("set", "input should be keys and values, such as {walk.n_steps: 4}")
     apply((Change(str(key), value, "set") for key, value in written.items()), gait)
     apply(changes, gait)

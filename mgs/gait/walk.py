@@ -1,15 +1,13 @@
-"""The blocks `walk` and `com` of a gait file."""
+"""The block `walk` of a gait file: footsteps, timing of the phases, swing foot and ZMP."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from mgs.core.config import Model
 from mgs.core.constants import COM_TOLERANCE
-from mgs.core.plugins import COM_GENERATORS
-from mgs.gait.names import GeneratorName, own_parameters
 
 MAX_STEPS = 20_000
 Duration = Annotated[float, Field(gt=0.0, le=60.0)]
@@ -20,143 +18,231 @@ Heading = Annotated[float, Field(ge=-100.0, le=100.0)]
 
 
 class StepParameters(Model):
-    """One step of `walk.steps`; what is left out is as in the block `walk`."""
+    """One step of the list `walk.steps`; keys left out take the value of the block `walk`."""
 
-    step_length: Length | None = Field(None, description="Advance past the support sole [m].")
-    lateral: Length | None = Field(None, description="Advance to the left [m].")
-    step_yaw: Turn | None = Field(None, description="Turn to the left [rad].")
+    step_length: Length | None = Field(
+        None,
+        description="Forward distance of the swing sole past the support sole [m]; negative: "
+        "backward; null: walk.step_length.",
+    )
+    lateral: Length | None = Field(
+        None,
+        description="Sideways distance of the step [m]; positive: to the left; only a step of the "
+        "foot on that side moves sideways; null: walk.lateral.",
+    )
+    step_yaw: Turn | None = Field(
+        None, description="Turn of the step [rad]; positive: to the left; null: walk.step_yaw."
+    )
 
 
 class FootstepParameters(Model):
-    """One footstep of `walk.footsteps`: where a sole's centre shall be; world frame.
+    """One footstep of the list `walk.footsteps`: pose of a sole in the world frame.
 
-    The origin lies on the ground midway between the soles at the start, x ahead. Its height is that
-    of the box below it.
+    The origin of the world frame lies on the ground midway between the soles at the start; x points
+    forward, y to the left. The footstep stands on the ground or on top of the box below it.
     """
 
-    side: Literal["left", "right"] = Field(description="Foot that steps there.")
-    x: Coordinate = Field(description="[m]")
-    y: Coordinate = Field(description="[m]")
-    yaw: Heading = Field(0.0, description="[rad]")
+    side: Literal["left", "right"] = Field(description="Foot that takes this step.")
+    x: Coordinate = Field(description="Position of the centre of the sole along x [m].")
+    y: Coordinate = Field(description="Position of the centre of the sole along y [m].")
+    yaw: Heading = Field(
+        0.0, description="Heading of the sole [rad]; 0: along x; positive: to the left."
+    )
 
 
 class GoalParameters(Model):
-    """Where the robot shall stand in the end: the middle between its soles; world frame."""
+    """Goal of a walk: final pose of the midpoint between the soles in the world frame.
 
-    x: Coordinate = Field(0.0, description="[m]")
-    y: Coordinate = Field(0.0, description="[m]")
-    yaw: float = Field(0.0, ge=-3.1416, le=3.1416, description="[rad]")
+    The origin of the world frame lies on the ground midway between the soles at the start; x points
+    forward, y to the left.
+    """
+
+    x: Coordinate = Field(0.0, description="Final position along x [m].")
+    y: Coordinate = Field(0.0, description="Final position along y [m].")
+    yaw: float = Field(
+        0.0,
+        ge=-3.1416,
+        le=3.1416,
+        description="Final heading [rad]; 0: along x; positive: to the left.",
+    )
 
 
 class BoxParameters(Model):
-    """A box on the ground: a stair to step on, or an obstacle to step over."""
+    """A box on the ground: a stair to step on or an obstacle to step over.
 
-    x: Coordinate = Field(description="Centre [m].")
-    y: Coordinate = Field(0.0, description="Centre [m].")
-    yaw: Heading = Field(0.0, description="[rad]")
-    length: float = Field(gt=0.0, le=100.0, description="Along its x [m].")
-    width: float = Field(gt=0.0, le=100.0, description="Along its y [m].")
-    height: float = Field(gt=0.0, le=1.0, description="Of its top above the ground [m].")
+    The origin of the world frame lies on the ground midway between the soles at the start; x points
+    forward, y to the left.
+    """
+
+    x: Coordinate = Field(description="Position of the centre of the box along x [m].")
+    y: Coordinate = Field(0.0, description="Position of the centre of the box along y [m].")
+    yaw: Heading = Field(
+        0.0, description="Rotation of the box about the vertical axis [rad]; positive: to the left."
+    )
+    length: float = Field(
+        gt=0.0, le=100.0, description="Length of the box along its own x axis [m]."
+    )
+    width: float = Field(gt=0.0, le=100.0, description="Width of the box along its own y axis [m].")
+    height: float = Field(
+        gt=0.0, le=1.0, description="Height of the top of the box above the ground [m]."
+    )
 
 
 class WalkParameters(Model):
-    """Steps of one walk and their timing; SI units; x forward, y left, z up.
+    """Parameters of a walk: footsteps, support phases, swing foot and zero-moment point (ZMP).
 
-    One of n_steps, steps, footsteps and goal says where the feet go.
+    Exactly one of the keys n_steps, steps, footsteps and goal determines the footsteps. The origin
+    of the world frame lies on the ground midway between the soles at the start; x points forward,
+    y to the left, z up.
     """
 
     n_steps: int | None = Field(
-        None, ge=1, le=MAX_STEPS, description="Equal steps taken, the closing one included."
+        None,
+        ge=1,
+        le=MAX_STEPS,
+        description="Number of equal steps, including the closing step that places the feet side "
+        "by side; null: the footsteps are given by steps, footsteps or goal.",
     )
     steps: Annotated[list[StepParameters], Field(min_length=1, max_length=MAX_STEPS)] | None = (
-        Field(None, description="Steps one by one; a closing step follows them.")
+        Field(
+            None,
+            description="List of individual steps; a closing step that places the feet side by "
+            "side is added; null: the footsteps are given by n_steps, footsteps or goal.",
+        )
     )
     footsteps: (
         Annotated[list[FootstepParameters], Field(min_length=1, max_length=MAX_STEPS)] | None
-    ) = Field(None, description="Footsteps one by one, as places in the world.")
+    ) = Field(
+        None,
+        description="List of footsteps as poses in the world frame; null: the footsteps are given "
+        "by n_steps, steps or goal.",
+    )
     goal: GoalParameters | None = Field(
         None,
-        description="Where to go; step_length, lateral and step_yaw are then the largest steps, "
-        "0: from the length of the legs.",
+        description="Final pose of the robot. With a goal, the values of step_length, lateral and "
+        "step_yaw are the largest step sizes, and the value 0 means that a size is derived from "
+        "the leg length; null: the footsteps are given by n_steps, steps or footsteps.",
     )
     sizes: Literal["given", "robot"] = Field(
         "given",
-        description="robot: lengths and times left out here, and those of com, are derived from "
-        "the robot's leg length and soles.",
+        description="Origin of the values that the file leaves out. given: the defaults listed "
+        "here; robot: step sizes, durations and the settings of the block com are derived from "
+        "leg length and soles of the robot.",
     )
     step_length: Length = Field(
-        0.0, description="Advance of the swing sole past the support sole [m]; negative: backward."
+        0.0,
+        description="Forward distance of the swing sole past the support sole [m]; negative: "
+        "backward.",
     )
     lateral: Length = Field(
-        0.0, description="Sideways advance of each step of the leading foot [m]; positive: left."
+        0.0,
+        description="Sideways distance of each step of the leading foot [m]; positive: to the "
+        "left, where the left foot leads; the other foot then closes up.",
     )
     step_yaw: float = Field(
-        0.0, ge=-1.0, le=1.0, description="Turn of each step [rad]; positive: to the left."
+        0.0,
+        ge=-1.0,
+        le=1.0,
+        description="Change of heading in each step [rad]; positive: to the left.",
     )
     step_width: float | None = Field(
-        None, gt=0.0, le=2.0, description="Distance of the soles [m]; null: as in the posture."
+        None,
+        gt=0.0,
+        le=2.0,
+        description="Lateral distance of the sole centres [m]; null: their distance in the "
+        "half-sitting posture of the robot.",
     )
     first_support: Literal["left", "right"] | None = Field(
-        None, description="Foot that stands first; null: the one that lets the leading foot begin."
+        None,
+        description="Support foot of the first step; null: the right foot if the walk begins with "
+        "a step or a turn to the left, else the left foot; with footsteps, the foot opposite to "
+        "the first footstep.",
     )
     last_support: Literal["left", "right"] | None = Field(
-        None, description="Foot that stands in the last step; null: either. One step more if need."
+        None,
+        description="Support foot of the last step; one step is added if this is necessary; null: "
+        "either foot.",
     )
     lead_in: Duration = Field(
-        1.8, description="Rest before the first weight shift [s]; at least the preview window."
+        1.8,
+        description="Duration of rest before the first weight shift [s]; not shorter than "
+        "com.preview.",
     )
     double_support: Duration = Field(
-        0.2, description="Each phase with both soles down, first and last weight shift too [s]."
+        0.2,
+        description="Duration of each double support phase [s]; the first and the last weight "
+        "shift are double support phases.",
     )
-    single_support: Duration = Field(0.5, description="Each phase on one sole [s].")
-    lead_out: Duration = Field(1.8, description="Rest after the last weight shift [s].")
+    single_support: Duration = Field(0.5, description="Duration of each single support phase [s].")
+    lead_out: Duration = Field(
+        1.8,
+        description="Duration of rest after the last weight shift [s]; not shorter than "
+        "com.preview.",
+    )
     step_height: float = Field(
-        0.02, gt=0.0, le=0.5, description="Highest point of the swing sole above the ground [m]."
+        0.02,
+        gt=0.0,
+        le=0.5,
+        description="Largest height of the swing sole above the ground [m]; over boxes it rises "
+        "as far as clearance requires.",
     )
     landing: float = Field(
         0.0,
         ge=0.0,
         le=0.5,
-        description="Last part of each single support in which the swing sole is over its footstep "
-        "and comes straight down, slowly: for a ground that is not where it should be.",
+        description="Fraction of each single support phase, at its end, in which the swing sole "
+        "is above its footstep and moves down vertically and slowly; useful on uneven ground.",
     )
     com_height: float | None = Field(
-        None, ge=1e-3, le=3.0, description="Height of the CoM above the ground [m]; null: posture."
+        None,
+        ge=1e-3,
+        le=3.0,
+        description="Height of the CoM above the ground [m]; null: height in the half-sitting "
+        "posture of the robot.",
     )
     com_tolerance: float = Field(
         COM_TOLERANCE,
         gt=0.0,
         le=1.0,
-        description="How far the CoM may stay behind its reference [m]; more than the default "
-        "where com_height asks for more than the legs can reach, which ik1 to ik5 are made for.",
+        description="Largest allowed distance of the CoM from its reference [m]. Increase it if "
+        "com_height is more than the legs can reach; the solvers ik1 to ik5 then come as close as "
+        "possible.",
     )
     zmp_offset: Annotated[list[Length], Field(min_length=2, max_length=2)] = Field(
         [0.0, 0.0],
-        description="Place of the ZMP in a support sole: forward and inward of its centre [m].",
+        description="Reference position of the ZMP on the support sole: forward and inward "
+        "distance from the centre of the sole [m].",
     )
     zmp_travel: float = Field(
         0.0,
         ge=0.0,
         le=1.0,
-        description="Way of the ZMP from heel to toe in each single support [m].",
+        description="Distance that the ZMP reference travels from heel to toe during each single "
+        "support phase [m].",
     )
     arm_swing: float = Field(
         0.0,
         ge=0.0,
         le=2.0,
-        description="Way of each hand as a part of that of the opposite foot, both seen from the "
-        "middle of the soles.",
+        description="Forward motion of each hand as a fraction of the motion of the opposite "
+        "foot, both relative to the midpoint between the soles; 0: no arm swing.",
     )
     boxes: Annotated[list[BoxParameters], Field(max_length=1000)] = Field(
-        [], description="Stairs and obstacles; footsteps stand on top of them."
+        [],
+        description="Stairs and obstacles; a footstep stands on top of the box below it, and the "
+        "swing sole passes over boxes in its way.",
     )
     clearance: float = Field(
-        0.005, ge=0.0, le=0.2, description="Least height of the swing sole above an edge [m]."
+        0.005,
+        ge=0.0,
+        le=0.2,
+        description="Smallest height of the swing sole above the edges of boxes that it passes "
+        "[m].",
     )
 
     @property
     def most_steps(self) -> int:
-        """Number of steps, or about as many where a goal leaves it to the planner."""
+        """Number of steps with the closing step; 1 for a goal, whose planner finds the number."""
         return self.n_steps or 1 + max(len(self.steps or ()), len(self.footsteps or ()))
 
     @model_validator(mode="after")
@@ -165,56 +251,13 @@ class WalkParameters(Model):
         given = [key for key in keys if getattr(self, key) is not None]
         if len(given) != 1:
             found = " and ".join(given) or "none of them"
-            raise ValueError(f"give one of {', '.join(keys)}; found {found}")
+            raise ValueError(f"exactly one of {', '.join(keys)} is needed; found {found}")
         return self
 
     @model_validator(mode="after")
     def _moves_only_as_a_foot_can(self) -> WalkParameters:
         if self.n_steps == 1 and (self.step_length or self.lateral or self.step_yaw):
             raise ValueError(
-                "n_steps = 1 is the closing step alone and goes nowhere; use n_steps >= 2"
+                "n_steps = 1 is the closing step alone, which does not advance; use n_steps >= 2"
             )
         return self
-
-
-class ComParameters(Model):
-    """The CoM motion that the ZMP asks for (stage 3), and its correction for the whole robot."""
-
-    generator: GeneratorName = Field(
-        "preview",
-        description="CoM generator. preview: control that follows the ZMP reference; qp: the least "
-        "jerk whose ZMP keeps com.margin from the edge of the support polygon; or the name of a "
-        "generator from another package.",
-    )
-    preview: float = Field(1.6, ge=0.1, le=10.0, description="Preview window [s].")
-    weight_error: float = Field(
-        1.0, gt=0.0, le=1e12, description="Q_e, weight of the ZMP error [1/m^2]."
-    )
-    weight_jerk: float = Field(
-        1e-6, gt=0.0, le=1e6, description="R, weight of the jerk; not invariant to dt [s^6/m^2]."
-    )
-    margin: float = Field(
-        0.0,
-        ge=0.0,
-        le=1.0,
-        description="qp: distance of the ZMP from the edge of the support polygon, at least [m].",
-    )
-    passes: int = Field(
-        3,
-        ge=0,
-        le=50,
-        description="Most corrections of the CoM by the whole robot's ZMP error; 0: none.",
-    )
-    zmp_tolerance: float = Field(
-        2e-4, gt=0.0, le=1.0, description="Mean ZMP error that needs no further correction [m]."
-    )
-    parameters: dict[str, Any] = Field(
-        {}, description="Parameters of a generator from another package, whose guide lists them."
-    )
-
-    @field_validator("parameters")
-    @classmethod
-    def _are_those_of_the_generator(
-        cls, given: dict[str, Any], info: ValidationInfo
-    ) -> dict[str, Any]:
-        return own_parameters(COM_GENERATORS, "generator", given, info)

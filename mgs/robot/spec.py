@@ -66,13 +66,14 @@ class ServoSpec(Model):
         None,
         gt=0.0,
         le=1e6,
-        description="Proportional gain of the position loop: torque per position error [N m/rad].",
+        description="Proportional gain of the position loop: torque per position error [N m/rad]; "
+        "null: given by compliance_slope, or unknown.",
     )
     compliance_slope: Literal[2, 4, 8, 16, 32, 64, 128] | None = Field(
         None,
         description="Alternative to stiffness: position error at which the torque reaches the "
-        "stall torque [encoder ticks]. This is a register of Dynamixel AX and RX servos, with a "
-        "factory setting of 32.",
+        "stall torque [encoder ticks]; null: given by stiffness, or unknown. This is a register of "
+        "Dynamixel AX and RX servos, with a factory setting of 32.",
     )
     damping: float | None = Field(
         None,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ import yaml
 
 from mgs.core.config import Model
 from mgs.core.shipped import shipped_folder
-from mgs.gait import GAITS, BalanceGait, SequenceGait, WalkGait
+from mgs.gait import BalanceGait, SequenceGait, WalkGait
 from mgs.robot import RobotSpec
 from tests.support.commands import run
 from tests.support.malformed import LEAVES, NUMBERS, VALID
@@ -81,12 +82,40 @@ def test_every_key_is_described():
     definitions = schema("gait")["$defs"]
     keys = {key for d in definitions.values() for key in d["properties"]}
     assert keys >= {path[-1] for path in LEAVES}
-    undescribed = {key for d in definitions.values() for key in set(d["properties"]) - described(d)}
-    # a key is told apart by its name alone: a keyframe's com is a key, a walk's com a block
-    blocks = {*GAITS, "com", "ik", "faraji", "prioritized", "trajectory"}
-    assert undescribed == blocks
-    for name, definition in definitions.items():  # these are blocks, and a block tells of itself
+    for name, definition in definitions.items():
+        assert described(definition) == set(definition["properties"]), name
         assert definition.get("description"), name
+
+
+# numbers that are counts, fractions, factors, or weights of sums without a unit
+WITHOUT_UNIT = {
+    *("mgs", "n_steps", "repeat", "passes", "iterations", "tolerance", "feedback", "landing"),
+    *("arm_swing", "damping", "gamma", "weight_joint", "weight_limit"),
+    *("samples", "seed", "soft"),
+}
+
+
+def takes_numbers(field: dict[str, Any]) -> bool:
+    inner = [*field.get("anyOf", []), field.get("items"), field.get("additionalProperties")]
+    return field.get("type") in ("number", "integer") or any(
+        takes_numbers(part) for part in inner if isinstance(part, dict)
+    )
+
+
+@pytest.mark.parametrize("kind", ["gait", "robot"])
+def test_descriptions_can_be_read_alone(kind: str):
+    """Each is a sentence or noun phrase, with the unit of numbers and the meaning of null."""
+    content = schema(kind)
+    for name, definition in {**content["$defs"], kind: content}.items():
+        for key, field in definition.get("properties", {}).items():
+            text = field["description"]
+            assert re.match(r"[A-Z][a-z].*\.$|[A-Z]+ .*\.$", text), f"{name}.{key}: {text}"
+            assert not text.startswith(("Of ", "At ", "As ")), f"{name}.{key}: {text}"
+            if takes_numbers(field) and key not in WITHOUT_UNIT:
+                assert "[" in text, f"{name}.{key}: unit missing in {text!r}"
+            if "default" in field and field["default"] is None:
+                told = "null: " in text or "leave it out" in text
+                assert told, f"{name}.{key}: meaning of null missing in {text!r}"
 
 
 @pytest.mark.parametrize("model", [WalkGait, BalanceGait, SequenceGait, RobotSpec])

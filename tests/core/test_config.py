@@ -377,7 +377,7 @@ def test_a_bad_assignment_is_refused(assignment: str):
 
 @pytest.mark.parametrize("text", ["", "5", "[1]", "- walk", "walk: 3", "walk: [1]", "walk: null"])
 def test_assignments_to_a_file_without_that_group_are_refused(text: str):
-    assert "there is no such group" in refusal(text, "walk.n_steps=3")
+    assert "there is no such group of keys" in refusal(text, "walk.n_steps=3")
 
 
 # --- anything ---------------------------------------------------------------------------------

@@ -391,8 +391,8 @@ def test_a_ramp_that_ends_before_it_starts_is_refused(end: float):
 @pytest.mark.parametrize("duration", [2.0, 3.0])
 def test_a_duration_without_room_between_the_ends_is_refused_with_the_remedy(duration: float):
     message = balance_refusal(duration=duration)
-    assert message.startswith(f"balance: duration = {duration:g} s leaves nothing between the ends")
-    assert "2 (rest + ease) = 3 s; lengthen duration" in message
+    assert message.startswith(f"balance: duration = {duration:g} s leaves no time for the motion")
+    assert "2 (rest + ease) = 3 s; use a longer duration" in message
 
 
 def test_no_channel_at_all_and_more_than_a_hundred_are_refused():
@@ -427,16 +427,16 @@ def refusal_of(text: str) -> str:
 @pytest.mark.parametrize(
     ("block", "message"),
     [
-        ("faraji: {hard: [com]}", "ik.faraji: com is both hard and soft"),
-        ("faraji: {hard: []}", "ik.faraji: both hard and soft want at least one task"),
+        ("faraji: {hard: [com]}", "ik.faraji: com is both a hard and a soft task"),
+        ("faraji: {hard: []}", "ik.faraji: hard and soft need at least one task each"),
         (
             "faraji: {soft: {com_z: [1.0, 1.0, 1.0]}}",
             "ik.faraji.soft.com_z: input should be 'soles'",
         ),
         ("faraji: {soft: {com: [1.0, 1.0]}}", "ik.faraji.soft.com: list should have at least 3"),
         ("faraji: {soft: {com: [1.0, 1.0, 0.0]}}", "ik.faraji.soft.com.2: input should be greater"),
-        ("prioritized: {critical: [com]}", "ik.prioritized: com_z stands in two levels"),
-        ("prioritized: {critical: [com_xy]}", "ik.prioritized: soles have to be critical"),
+        ("prioritized: {critical: [com]}", "ik.prioritized: com_z is in two levels"),
+        ("prioritized: {critical: [com_xy]}", "ik.prioritized: soles must be in critical"),
         ("prioritized: {feedbak: 0.3}", "ik.prioritized.feedbak: unknown key; did you mean 'feedb"),
     ],
 )

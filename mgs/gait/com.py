@@ -1,0 +1,68 @@
+"""The block `com` of a gait file: generator of the CoM motion and dynamic filter."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import Field, ValidationInfo, field_validator
+
+from mgs.core.config import Model
+from mgs.core.plugins import COM_GENERATORS
+from mgs.gait.names import GeneratorName, own_parameters
+
+
+class ComParameters(Model):
+    """Parameters of the motion of the centre of mass (CoM) and of the dynamic filter.
+
+    A generator computes the CoM motion from the reference of the zero-moment point (ZMP). The
+    dynamic filter then corrects it until the ZMP of the whole robot is as planned.
+    """
+
+    generator: GeneratorName = Field(
+        "preview",
+        description="Name of the CoM generator. preview: preview control, which follows the ZMP "
+        "reference; qp: quadratic program, which minimizes jerk and ZMP error and keeps the ZMP "
+        "inside the support polygon by the distance margin; any other name: a generator of "
+        "another package.",
+    )
+    preview: float = Field(1.6, ge=0.1, le=10.0, description="Length of the preview window [s].")
+    weight_error: float = Field(
+        1.0, gt=0.0, le=1e12, description="Weight Q_e of the squared ZMP error [1/m^2]."
+    )
+    weight_jerk: float = Field(
+        1e-6,
+        gt=0.0,
+        le=1e6,
+        description="Weight R of the squared jerk of the CoM [s^6/m^2]; its effect depends on dt.",
+    )
+    margin: float = Field(
+        0.0,
+        ge=0.0,
+        le=1.0,
+        description="Smallest distance of the ZMP from the edge of the support polygon [m]; for "
+        "the generator qp.",
+    )
+    passes: int = Field(
+        3,
+        ge=0,
+        le=50,
+        description="Largest number of corrections by the dynamic filter; 0: no correction.",
+    )
+    zmp_tolerance: float = Field(
+        2e-4,
+        gt=0.0,
+        le=1.0,
+        description="Mean ZMP error of the whole robot at which the dynamic filter stops [m].",
+    )
+    parameters: dict[str, Any] = Field(
+        {},
+        description="Parameters of a CoM generator of another package; its documentation lists "
+        "them.",
+    )
+
+    @field_validator("parameters")
+    @classmethod
+    def _are_those_of_the_generator(
+        cls, given: dict[str, Any], info: ValidationInfo
+    ) -> dict[str, Any]:
+        return own_parameters(COM_GENERATORS, "generator", given, info)
