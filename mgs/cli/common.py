@@ -56,7 +56,7 @@ class ProgressBar:
         self._on_terminal = sys.stderr.isatty()
 
     def __call__(self, done: int, total: int) -> None:
-        """Report progress."""
+        """Report the progress of the work."""
         if not self._on_terminal or time.monotonic() - self._started < SHOW_AFTER:
             return
         if self._bar is None:

@@ -1,4 +1,4 @@
-"""mgs library."""
+"""The commands mgs library query, export and report."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ class Cycle:
 
     @property
     def n_samples(self) -> int:
-        """P."""
+        """Number of samples P of one period."""
         return len(self.position)
 
 

@@ -75,7 +75,7 @@ class Motion:
 
     @property
     def times(self) -> Array:
-        """Times (N,) of the samples [s]."""
+        """Sample times (N,) [s]."""
         return self.dt * np.arange(self.n_samples, dtype=np.float64)
 
     @property

@@ -36,7 +36,7 @@ class Displacement:
 
     @property
     def inverse(self) -> Displacement:
-        """Of the frame itself, seen from this one."""
+        """Inverse displacement: the original frame, seen from this one."""
         return Displacement(planar_inverse(self.pose), -self.rise)
 
 

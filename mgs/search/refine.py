@@ -58,7 +58,7 @@ class Trial:
         return -standing, len(self.failed), self.tilt_rms_deg
 
     def to_dict(self) -> dict[str, object]:
-        """Plain data."""
+        """Convert to plain data."""
         return {**dataclasses.asdict(self), "failed": list(self.failed)}
 
 
@@ -72,7 +72,7 @@ class Attempt:
     reason: str  # reason of the rejection
 
     def to_dict(self) -> dict[str, object]:
-        """Plain data."""
+        """Convert to plain data."""
         trials = [trial.to_dict() for trial in self.trials]
         return {"part": self.part, "kept": self.kept, "reason": self.reason, "trials": trials}
 

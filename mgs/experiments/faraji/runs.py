@@ -93,7 +93,7 @@ class Run:
 
     @property
     def times(self) -> Array:
-        """Times (N,) of the samples [s]."""
+        """Sample times (N,) [s]."""
         return self.stages.motion.times
 
     @property

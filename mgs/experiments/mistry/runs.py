@@ -47,7 +47,7 @@ VARIANTS: dict[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """All runs."""
+    """All runs of the experiment."""
 
     robot: Robot  # COMAN
     runs: dict[Key, Stages]

@@ -35,7 +35,7 @@ BALANCE_ROUNDS = 20  # largest number of corrections of the soles
 
 @dataclass(frozen=True, eq=False)
 class Posture:
-    """Half-sitting configuration."""
+    """Half-sitting configuration and its errors."""
 
     q: Array  # (nq,), base at the origin
     sole_error: float  # largest error of both soles [m] or [rad]
