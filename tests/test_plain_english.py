@@ -38,50 +38,6 @@ DIMENSIONLESS = {
     "gait: WalkParameters.arm_swing",
     "gait: WalkParameters.landing",
 }
-# Texts that are not yet in plain English. The list may only become shorter, down to nothing.
-OPEN = {
-    "gait: BalanceParameters.duration",
-    "gait: BallParameters.mass",
-    "gait: BallParameters.radius",
-    "gait: BoxParameters.height",
-    "gait: BoxParameters.x",
-    "gait: BoxParameters.y",
-    "gait: BoxParameters.yaw",
-    "gait: ConstantChannel.value",
-    "gait: FootstepParameters.x",
-    "gait: FootstepParameters.y",
-    "gait: FootstepParameters.yaw",
-    "gait: GoalParameters.x",
-    "gait: GoalParameters.y",
-    "gait: GoalParameters.yaw",
-    "gait: Keyframe.crouch",
-    "gait: KickParameters.height",
-    "gait: KickParameters.speed",
-    "gait: PrioritizedParameters.extraneous",
-    "gait: PrioritizedParameters.functional",
-    "gait: RampChannel.end",
-    "gait: RampChannel.start",
-    "gait: RampChannel.value",
-    "gait: SequencePart.repeat",
-    "gait: SineChannel.amplitude",
-    "gait: SineChannel.frequency",
-    "gait: SineChannel.phase",
-    "gait: TrajectoryParameters.iterations",
-    "gait/keyframes.py: duration",
-    "gait/pick_up.py: duration",
-    "ik_solver/floating/priority_levels.py: __init__",
-    "ik_solver/whole_motion.py: gradient",
-    "judge/monte_carlo.py: to_dict",
-    "library/run.py: to_dict",
-    "motion_file/cdr.py: size",
-    "motion_file/export.py: _joints",
-    "motion_file/mcap_chunk.py: _unpack_lz4",
-    "motion_file/mcap_chunk.py: _unpack_zstd",
-    "motion_file/mcap_contents.py: _index_entries",
-    "sim/agreement.py: to_dict",
-    "sim/pybullet.py: close",
-    "sim/servo.py: _torque",
-}
 
 
 def problem(text: str) -> str | None:
@@ -207,13 +163,11 @@ def unclear_docstrings() -> dict[str, str]:
 
 
 def test_every_key_has_a_description_with_its_unit():
-    unclear = unclear_descriptions()
-    assert {name: why for name, why in unclear.items() if name not in OPEN} == {}
+    assert unclear_descriptions() == {}
 
 
 def test_every_docstring_begins_with_a_phrase_of_its_own():
-    unclear = unclear_docstrings()
-    assert {place: why for place, why in unclear.items() if place not in OPEN} == {}
+    assert unclear_docstrings() == {}
 
 
 def test_no_dimensionless_key_is_missing_or_has_a_unit():
@@ -221,12 +175,6 @@ def test_no_dimensionless_key_is_missing_or_has_a_unit():
         field, schema = FIELDS[name]
         assert has_real_numbers(field), name
         assert not UNIT.search(description(field, schema)), name
-
-
-@pytest.mark.xfail(strict=True, reason="some texts are still to be written in plain English")
-def test_no_text_is_left_that_is_not_in_plain_english():
-    """Remove this mark together with the last entry of OPEN."""
-    assert not OPEN
 
 
 @pytest.mark.parametrize(

@@ -183,7 +183,7 @@ class Problem:
         return self._secondary(q, tau) + wall + bends
 
     def gradient(self, point: Point) -> Array:
-        """Of the objective, (N, n)."""
+        """Gradient of the objective, (N, n)."""
         q = point.q
         tau = self.weight_grav[:, None] * point.tau
         twice = second_differences(second_differences(q))

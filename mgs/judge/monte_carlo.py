@@ -81,7 +81,7 @@ class Robustness:
         return wilson(self.survived, self.n)
 
     def to_dict(self) -> dict[str, object]:
-        """Plain data."""
+        """Convert to plain data."""
         rate = self.survived / self.n
         return {
             "engine": self.engine,

@@ -95,7 +95,7 @@ class Summary:
         return self.done / self.seconds if self.seconds else 0.0
 
     def to_dict(self) -> dict[str, object]:
-        """Plain data."""
+        """Convert to plain data."""
         return {
             "folder": str(self.folder),
             "manifest": str(self.folder / MANIFEST),

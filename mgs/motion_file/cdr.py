@@ -145,7 +145,7 @@ class Slot:
 
     @property
     def size(self) -> int:
-        """Bytes taken."""
+        """Number of encoded bytes."""
         return self.count * np.dtype(self.dtype).itemsize
 
 

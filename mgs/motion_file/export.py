@@ -89,7 +89,7 @@ def export(
 
 
 def _joints(motion: Motion, cycle: Cycle | None) -> tuple[Array, Array, Array]:
-    """Times (N,), positions and velocities (N, n)."""
+    """Sample times (N,) [s], joint positions (N, n) [rad] and velocities (N, n) [rad/s]."""
     if cycle is None:
         position, velocity = motion.q[:, FLOATING_BASE_NQ:], motion.v[:, FLOATING_BASE_NV:]
     else:

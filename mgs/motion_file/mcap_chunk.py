@@ -133,14 +133,14 @@ def unpack(chunk: mcap.records.Chunk) -> bytes:
 
 
 def _unpack_zstd(packed: bytes, size: int) -> bytes:
-    """At most `size` bytes; a frame need not declare its size, but must not declare another."""
+    """Unpack at most `size` bytes; a frame may omit its size but must not declare another one."""
     if zstandard.frame_content_size(packed) not in (size, -1):
         raise UnreadableFileError("a chunk is not compressed as expected")
     return zstandard.ZstdDecompressor().decompress(packed, max_output_size=size)
 
 
 def _unpack_lz4(packed: bytes, size: int) -> bytes:
-    """At most one byte more than `size`."""
+    """Unpack at most one byte more than `size`."""
     try:
         import lz4.frame
     except ImportError as error:

@@ -105,7 +105,7 @@ def _load_indexed(file: RecordFile, index: ChunkIndex) -> Chunk:
 
 
 def _index_entries(file: RecordFile, offset: int, channel: int) -> NDArray[np.uint64]:
-    """Times and offsets (N, 2) of a channel's messages in a chunk."""
+    """Log times [ns] and offsets (N, 2) of the messages of a channel in a chunk."""
     opcode, _, found, size = INDEX_HEAD.unpack(file.bytes_at(offset, INDEX_HEAD.size))
     if (opcode, found) != (Opcode.MESSAGE_INDEX, channel):
         raise UnreadableFileError("a message index is not where it should be")

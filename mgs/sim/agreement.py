@@ -34,7 +34,7 @@ class Agreement:
     end_yaw_deg: float  # of the mean heading of the soles
 
     def to_dict(self) -> dict[str, object]:
-        """Plain data."""
+        """Convert to plain data."""
         return {**dataclasses.asdict(self), "engines": list(self.engines)}
 
 

@@ -226,7 +226,7 @@ class PybulletEngine:
         return np.array(full)[np.ix_(joints, joints)]
 
     def close(self) -> None:
-        """Disconnect."""
+        """Disconnect from the engine."""
         if self._client >= 0:
             self._p.disconnect(self._client)
             self._client = -1

@@ -118,7 +118,7 @@ class ServoModel:
         return np.asarray(np.rint(angle / self._tick) * self._tick)
 
     def _torque(self, command: Array, q: Array, v: Array) -> tuple[Array, Array, Bools]:
-        """As `torque`, of a command that is whole ticks.
+        """Torque as by `torque`, for a command that is rounded to whole ticks.
 
         Once a physics step: plain ufuncs, whose call is all that they cost.
         """

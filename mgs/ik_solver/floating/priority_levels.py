@@ -36,7 +36,7 @@ class PriorityLevels:
     """
 
     def __init__(self, sizes: Sequence[int], nv: int, size: float, projected: bool = False) -> None:
-        """Reserve buffers.
+        """Reserve buffers for the largest problem.
 
         Args:
             sizes: rows of each level, 0 for none.
