@@ -41,7 +41,7 @@ def find_robot(name_or_dir: str | Path) -> Path:
             return folder
     raise ConfigError(
         name_or_dir,
-        f"no robot.yaml there and no robot of that name; shipped: {', '.join(list_robots())}",
+        f"contains no robot.yaml and is not the name of a shipped robot; shipped: {', '.join(list_robots())}",
     )
 
 
