@@ -83,9 +83,9 @@ def validate(
     of each replay, and PASS or FAIL.
 
     With --monte-carlo N the motion is also replayed N times under random conditions: floor
-    friction, slope and bumps, masses, centre of mass, servo gains, supply voltage, latency and
-    joint zero positions vary, and the sag of PD servos. The robot has to stay up in at least 95 %
-    of these replays. Their servos are the first kind that --servo names.
+    friction, slope and bumps, masses, centre of mass, servo gains, supply voltage, latency, joint
+    zero positions and the sag of PD servos vary. The robot has to stay up in at least 95 % of these
+    replays. They use the first kind of servos that --servo names.
 
     Exit code 0 if all checks pass, 1 if a check fails.
 

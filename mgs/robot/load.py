@@ -41,7 +41,8 @@ def find_robot(name_or_dir: str | Path) -> Path:
             return folder
     raise ConfigError(
         name_or_dir,
-        f"contains no robot.yaml and is not the name of a shipped robot; shipped: {', '.join(list_robots())}",
+        "contains no robot.yaml and is not the name of a shipped robot; shipped: "
+        f"{', '.join(list_robots())}",
     )
 
 
