@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from mgs.sim.replay import Replay as Replay
     from mgs.sim.replay import replay as replay
 
-__version__ = "0.1.0"
+__version__ = "0.2.0.dev0"
 
 # Where each name comes from; the imports above tell it to type checkers.
 _HOMES = {

@@ -33,6 +33,7 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
+import mgs
 from mgs import motion_file
 from mgs.core.contact import Side, Support
 from mgs.core.errors import MgsError, MotionFileError, OutputExistsError
@@ -51,6 +52,7 @@ STORE = get_typestore(Stores.ROS2_HUMBLE)
 START_NS = 10**9
 ONCE = {"/robot_description", "/tf_static", "/footsteps", "/joint_trajectory"}
 CUBE = 1  # visualization_msgs/Marker
+LIBRARY = struct.pack("<I", len(f"mgs {mgs.__version__}"))  # length of its name in the header
 SHORT = message_layout("std_msgs/String", {"data": "up"})  # no message of /support
 
 
@@ -626,7 +628,7 @@ def test_sealing_changes_nothing_in_a_sound_file() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "problem"),
     [
-        (b"ros2\x09", b"ros1\x09", "not a motion file"),
+        (b"ros2" + LIBRARY, b"ros1" + LIBRARY, "not a motion file"),
         (b"/com_reference", b"/com_referance", "/com_reference is missing"),
         (b"/msg/PointStamped", b"/msg/PointStampet", "not geometry_msgs/PointStamped"),
         (b"gait.yaml", b"gate.yaml", "gait.yaml is missing"),
