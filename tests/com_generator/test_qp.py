@@ -22,6 +22,7 @@ from mgs.motion_planner import plan_motion
 from mgs.pipeline import run_stages
 from mgs.robot import Robot, load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
+from tests.support.polygons import support_hull
 from tests.support.strategies import numbers, walk_gait
 
 GRAVITY = 9.81
@@ -39,18 +40,12 @@ def bounded(robot: Robot, tasks: TaskTrajectory, **com: float) -> ComTrajectory:
 
 def margins_of(robot: Robot, tasks: TaskTrajectory, zmp: np.ndarray) -> np.ndarray:
     """Distance (N,) of points (N, 2) to the edge of the polygon; its hull is Qhull's."""
-    margins = np.empty(len(zmp))
-    for k, point in enumerate(zmp):
-        corners = []
-        for side in Support(tasks.support[k]).sides:
-            x, y, _, _, _, sine, cosine = tasks.soles[k, side]
-            yaw, sole = 2.0 * np.arctan2(sine, cosine), robot.sole_spec(side)
-            ahead = 0.5 * sole.length * np.array([np.cos(yaw), np.sin(yaw)])
-            beside = 0.5 * sole.width * np.array([-np.sin(yaw), np.cos(yaw)])
-            corners += [[x, y] + i * ahead + j * beside for i in (-1, 1) for j in (-1, 1)]
-        hull = np.array(corners)[ConvexHull(corners).vertices]  # counter-clockwise
-        margins[k] = polygon_margins(point[None], hull)[0]
-    return margins
+    return np.array(
+        [
+            polygon_margins(point[None], support_hull(robot, tasks, k))[0]
+            for k, point in enumerate(zmp)
+        ]
+    )
 
 
 # --- a tiny problem, dense --------------------------------------------------------------------
