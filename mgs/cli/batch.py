@@ -13,7 +13,7 @@ from mgs.cli.servo_options import servo_option
 
 if TYPE_CHECKING:
     from mgs.library.points import Plan
-    from mgs.library.run import Summary
+    from mgs.library.summary import Summary
     from mgs.sim import ServoName
 
 sweep_argument = click.argument(

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mgs.library.run import Summary
+from mgs.library.summary import Summary
 from tests.support.commands import files_below, run, run_process
 from tests.support.libraries import LENGTHS, write_sweep
 

@@ -27,7 +27,8 @@ from mgs.judge.motion_checks import check_motion
 from mgs.library.lock import locked
 from mgs.library.manifest import MANIFEST
 from mgs.library.points import Plan, plan_sweep
-from mgs.library.run import Summary, recipe_of, run_batch
+from mgs.library.run import recipe_of, run_batch
+from mgs.library.summary import Summary
 from mgs.library.worker import make_gait, travel_figures
 from mgs.motion_file import read_motion
 from mgs.pipeline import Stages, generate, run_stages
@@ -202,7 +203,7 @@ def test_two_runs_do_not_share_a_folder(copy: Path, plan: Plan):
 
 
 def test_no_scheduler_and_no_manifest_are_told(plan: Plan, tmp_path: Path, monkeypatch: Any):
-    monkeypatch.setattr("mgs.library.run.CONNECT_TIMEOUT", 0.5)
+    monkeypatch.setattr("mgs.library.cluster.CONNECT_TIMEOUT", 0.5)
     with pytest.raises(MgsError, match="no Dask scheduler answers at tcp://127"):
         run_batch(plan, recipe_of(plan), tmp_path / "a", address="tcp://127.0.0.1:1")
     with pytest.raises(MgsError, match="no Dask scheduler answers at nonsense"):
@@ -218,7 +219,7 @@ def test_no_scheduler_and_no_manifest_are_told(plan: Plan, tmp_path: Path, monke
 def test_a_run_that_has_made_nothing_leaves_room_for_another_sweep(
     plan: Plan, tmp_path: Path, monkeypatch: Any
 ):
-    monkeypatch.setattr("mgs.library.run.CONNECT_TIMEOUT", 0.5)
+    monkeypatch.setattr("mgs.library.cluster.CONNECT_TIMEOUT", 0.5)
     other = plan_sweep(write_sweep(tmp_path, axes={"walk.step_length": [0.01]}))
     for sweep in (plan, other):
         with pytest.raises(MgsError, match="no Dask scheduler"):
@@ -402,7 +403,7 @@ def test_a_full_disk_is_told_and_the_run_goes_on_when_there_is_room(
     assert Path(f"{folder}.code").read_text() == "1\n"
     message = Path(f"{folder}.message").read_text()
     assert "full" in message or "no space left on device" in message
-    assert "make room, then go on with --resume" in message
+    assert "make room, then continue with --resume" in message
     assert "Traceback" not in message
     assert Path(f"{folder}.integrity").read_text() == "ok\n"
     assert_same_library(Path(f"{folder}.lib"), made[0])

@@ -14,7 +14,7 @@ from mgs.library.points import Plan, plan_sweep
 from tests.support.commands import SHORT_WALK
 
 if TYPE_CHECKING:
-    from mgs.library.run import Summary
+    from mgs.library.summary import Summary
 
 SHORT = tuple(word for word in SHORT_WALK[1:] if word != "--set")
 LENGTHS = [0.0, 0.01, 0.02, 0.03, 0.04, 0.5]  # the last one is farther than the legs reach
@@ -47,7 +47,7 @@ def address() -> Iterator[str]:
     import dask
     from distributed import LocalCluster
 
-    from mgs.library.run import OWN_CLUSTER
+    from mgs.library.cluster import OWN_CLUSTER
 
     with (
         dask.config.set(OWN_CLUSTER),

@@ -1,0 +1,94 @@
+"""The Dask cluster whose workers make the gaits: one of our own, or one that is running already."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import os
+import signal
+from collections.abc import Iterator
+
+import dask
+from dask.system import CPU_COUNT
+from distributed import Client, LocalCluster
+
+from mgs.core.errors import MgsError
+
+CONNECT_TIMEOUT = 10.0  # [s]
+OWN_CLUSTER = {
+    "distributed.nanny.pre-spawn-environ": {  # set before a worker imports numpy
+        name: 1
+        for name in (
+            *("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"),
+            *("MKL_NUM_THREADS", "BLIS_NUM_THREADS"),
+        )
+    },
+    # a gait whose worker died is tried again by us, see outcomes.py
+    "distributed.scheduler.allowed-failures": 0,
+    # workers come back; Dask would give up a worker that died twice in 15 s
+    "distributed.deploy.lost-worker-timeout": "1000 days",
+    # the profile samples the working thread a hundred times a second, for a page of the dashboard
+    "distributed.worker.profile.enabled": False,
+}
+
+
+@contextlib.contextmanager
+def cluster(workers: int | None, address: str | None, n_gaits: int) -> Iterator[Client]:
+    """Client of a running cluster, or of one on this machine that ends with the context.
+
+    Args:
+        workers: number of processes on this machine; None: one for each processor.
+        address: address of the scheduler of a running cluster, which is then used instead.
+        n_gaits: number of gaits to make; more workers are not started.
+
+    Raises:
+        MgsError: nothing answers at the address, or the cluster there has no workers.
+    """
+    if address is not None:
+        with _client(address) as client:
+            yield client
+        return
+    with (
+        dask.config.set(OWN_CLUSTER),
+        LocalCluster(
+            n_workers=min(workers or CPU_COUNT, n_gaits),
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address="127.0.0.1:0",
+        ) as own,
+        Client(own) as client,
+    ):
+        try:
+            yield client
+        except BaseException:
+            _kill(own)  # nobody wants the gaits any more that its workers are making
+            raise
+
+
+def _kill(own: LocalCluster) -> None:
+    """End the workers at once, not after the gaits that they are making."""
+    for nanny in own.workers.values():
+        nanny.auto_restart = False
+        if nanny.pid is not None:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(nanny.pid, signal.SIGKILL)
+
+
+@contextlib.contextmanager
+def _client(address: str) -> Iterator[Client]:
+    try:
+        client = Client(address, timeout=CONNECT_TIMEOUT)
+    except Exception as error:  # each kind of address fails in its own way
+        raise MgsError(f"no Dask scheduler answers at {address}: {error}") from error
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=CONNECT_TIMEOUT)
+        except TimeoutError as error:
+            raise MgsError(f"{address}: the cluster has no workers") from error
+        yield client
+
+
+def dashboard_of(client: Client) -> str | None:
+    """Address of the cluster's dashboard; None where bokeh, which Dask needs for it, is missing."""
+    has_bokeh = client.run_on_scheduler(lambda: importlib.util.find_spec("bokeh") is not None)
+    return client.dashboard_link if has_bokeh else None
