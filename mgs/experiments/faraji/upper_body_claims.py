@@ -100,8 +100,8 @@ def sway_claims(study: Study) -> list[Claim]:
             bool(ratios.min() > POWER_RATIO),
             "the paper does not state the amplitudes; with faster or wider twists the first ratio "
             "decreases to 2. |tau qdot| includes braking, and a large part of it is the sway of "
-            "hips and ankles, which is equal in both postures. Values of standing still on stretched "
-            f"legs are subtracted. Values by height relative to z_max: {heights}",
+            "hips and ankles, which is equal in both postures. Values of standing still on "
+            f"stretched legs are subtracted. Values by height relative to z_max: {heights}",
             {"work": float(ratios[0]), "squared": float(ratios[1])},
         ),
     ]
@@ -123,7 +123,8 @@ def twist_claims(study: Study) -> list[Claim]:
             "yaw of the torso with the CoM reference above reach: ik4 tracks the motion, and the "
             "knees leave the singularity at different times",
             f"hard-row error {1e3 * hard['ik4']:.1e} mm, CoM {1e3 * lag['ik4']:.2f} mm lower than "
-            f"in the motion at 1/{SLOWER} of the speed, knee angles differ by up to {apart:.1f} deg",
+            f"in the motion at 1/{SLOWER} of the speed, knee angles differ by up to "
+            f"{apart:.1f} deg",
             hard["ik4"] <= HARD and lag["ik4"] <= HEIGHT_LAG and apart > 1.0,
             values={"hard": hard["ik4"], "lag": lag["ik4"], "apart": apart},
         ),
@@ -135,8 +136,8 @@ def twist_claims(study: Study) -> list[Claim]:
             f"{1e3 * hard['ik3']:.2f} mm",
             broken > BROKEN_DEG and hard["ik3"] > HARD,
             "ik1 has no joint limits and bends the knee in the wrong direction instead of "
-            "stopping; the linearized rows of ik3 do not lead out of the stretched posture, and feet and "
-            "torso lag behind by the error of one linearization",
+            "stopping; the linearized rows of ik3 do not lead out of the stretched posture, and "
+            "feet and torso lag behind by the error of one linearization",
             {"ik1": broken, "ik3": hard["ik3"]},
         ),
     ]
