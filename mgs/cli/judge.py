@@ -10,6 +10,7 @@ import click
 from mgs.cli import verdict_text
 from mgs.cli.common import (
     FiniteRange,
+    force_option,
     json_option,
     motion_argument,
     print_json,
@@ -60,6 +61,16 @@ if TYPE_CHECKING:
     "--sample", metavar="K", type=click.IntRange(0),
     help="Replay the motion under random conditions number K instead of the planned conditions.",
 )  # fmt: skip
+@click.option(
+    "--servo-sweep", is_flag=True,
+    help="Also replay the motion with PD servos of several stiffnesses, with and without "
+    "feed-forward, at several friction coefficients. PASS or FAIL does not depend on it.",
+)  # fmt: skip
+@click.option(
+    "--sweep-plot", metavar="FILE", type=click.Path(dir_okay=False, path_type=Path),
+    help="PNG or SVG file for a figure of the servo sweep.",
+)  # fmt: skip
+@force_option
 @json_option
 @click.pass_context
 def validate(
@@ -75,12 +86,15 @@ def validate(
     seed: int,
     workers: int,
     sample: int | None,
+    servo_sweep: bool,
+    sweep_plot: Path | None,
+    force: bool,
     as_json: bool,
 ) -> None:
     """Judge a motion by static checks and by open-loop replays in physics engines.
 
-    Reads FILE.mcap, writes no file, and prints each check with its value and its limit, a summary
-    of each replay, and PASS or FAIL.
+    Reads FILE.mcap and prints each check with its value and its limit, a summary of each replay,
+    and PASS or FAIL. Writes no file unless --sweep-plot names one.
 
     With --monte-carlo N the motion is also replayed N times under random conditions: floor
     friction, slope and bumps, masses, centre of mass, servo gains, supply voltage, latency, joint
@@ -97,11 +111,14 @@ def validate(
       mgs validate walk.mcap --servo ideal,pd --sag 2
       mgs validate walk.mcap --monte-carlo 200 --ranges wide --workers 4
       mgs validate walk.mcap --sample 17
+      mgs validate walk.mcap --servo-sweep --sweep-plot servos.png --workers 2
     """  # noqa: D301
     from mgs.judge.validate import validate as run
 
     engines = engines_of(physics)
-    check_servos(servos, feed_forward, sag_deg, damping_time)
+    pd_too = ("pd",) if servo_sweep else ()
+    check_servos((*servos, *pd_too), feed_forward, sag_deg, damping_time)
+    plot = _sweep_figure_path(sweep_plot, servo_sweep and bool(engines), force)
     with progress_bars() as tell:
         verdict = run(
             file,
@@ -115,8 +132,11 @@ def validate(
             seed=seed,
             workers=workers,
             sample=sample,
+            servo_sweep=servo_sweep,
             progress=tell,
         )
+    if plot is not None:
+        _draw_sweep(verdict, plot)
     if as_json:
         print_json(verdict.to_dict())
     else:
@@ -194,6 +214,29 @@ def engines_of(physics: str | None) -> list[EngineName]:
     return list(choose_engines(physics, "--physics"))
 
 
+def _sweep_figure_path(path: Path | None, is_swept: bool, force: bool) -> Path | None:
+    """Path of the figure, checked before the work."""
+    if path is None:
+        return None
+    from mgs.core.errors import ConfigError, OutputExistsError
+
+    if not is_swept:
+        raise ConfigError("--sweep-plot", "there is no servo sweep to draw; add --servo-sweep")
+    if path.suffix not in (".png", ".svg"):
+        raise ConfigError("--sweep-plot", f"{path}: the name should end in .png or .svg")
+    if path.exists() and not force:
+        raise OutputExistsError(path)
+    return path
+
+
+def _draw_sweep(verdict: Verdict, path: Path) -> None:
+    from mgs.report import plot_servo_sweep, save_figures
+
+    figure = plot_servo_sweep(verdict.servo_sweep or (), Path(verdict.file).stem)
+    fmt: Any = path.suffix[1:]
+    save_figures({path.stem: figure}, path.parent, fmt, force=True)
+
+
 def _print_verdict(verdict: Verdict) -> None:
     for check in verdict.checks:
         click.echo(verdict_text.line(check))
@@ -204,6 +247,9 @@ def _print_verdict(verdict: Verdict) -> None:
     draws: Any = verdict.monte_carlo or {"engines": ()}
     for figures in draws["engines"]:
         click.echo(verdict_text.survival(figures))
+    for sweep in verdict.servo_sweep or ():
+        for text in verdict_text.servo_sweep(sweep):
+            click.echo(text)
     if not verdict.replays:
         click.echo("no replay in physics: falling was not checked")
     failed = verdict.failed

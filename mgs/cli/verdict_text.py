@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from mgs.judge.motion_checks import Check
+    from mgs.judge.servo_cases import ServoSweep
     from mgs.sim import Agreement, Replay
 
 
@@ -75,3 +76,39 @@ def sentence(replay: Replay) -> str:
         f"joint error {replay.joint_error_rms_deg:.2f} deg RMS, longest torque saturation "
         f"{1e3 * replay.torque_saturation:.0f} ms; computing time {replay.wall_seconds:.1f} s"
     )
+
+
+def servo_sweep(sweep: ServoSweep) -> list[str]:
+    """Sags at which the motion passes, one line for each kind of commands and each friction."""
+    rows = dict.fromkeys((o.case.assumed_stiffness, o.case.friction) for o in sweep.outcomes)
+    lines = []
+    for assumed, friction in rows:
+        commands = "planned angles"
+        if assumed is not None:
+            commands = f"feed-forward for {assumed:g} times the stiffness"
+        swept = [
+            outcome.case.sag_deg
+            for outcome in sweep.outcomes
+            if (outcome.case.assumed_stiffness, outcome.case.friction) == (assumed, friction)
+        ]
+        passing = sweep.passing(assumed, friction)
+        lines.append(
+            f"{sweep.engine}, PD servos, {commands}, friction {friction:g}: "
+            f"{_ranges(passing, swept)}"
+        )
+    return lines
+
+
+def _ranges(passing: tuple[float, ...], swept: list[float]) -> str:
+    """Sags at which a motion passes in words, neighbours in `swept` joined to ranges."""
+    runs: list[list[float]] = []
+    for value in swept:
+        if value not in passing:
+            runs.append([])
+        else:
+            runs = runs or [[]]
+            runs[-1].append(value)
+    texts = [f"{r[0]:g}" if len(r) == 1 else f"{r[0]:g} to {r[-1]:g}" for r in runs if r]
+    if not texts:
+        return f"passes at no sag from {swept[0]:g} to {swept[-1]:g} deg"
+    return f"passes at sags of {' and '.join(texts)} deg"

@@ -8,9 +8,6 @@ matters is told by the probability that a fallen draw had a larger deviation tha
 
 from __future__ import annotations
 
-import concurrent.futures
-import multiprocessing
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +16,7 @@ from mgs.core.errors import DivergenceError
 from mgs.core.progress import Progress
 from mgs.core.short_repr import short_repr
 from mgs.judge.motion_checks import Check
+from mgs.judge.processes import in_order
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
 from mgs.sim import EngineName, ServoName, Settings
@@ -130,7 +128,7 @@ def monte_carlo(
     """
     task = Task(prepare(motion, engine, settings, servo, feed_forward), RANGES[ranges], seed)
     done: list[Draw] = []
-    for found in _draws(task, n, workers):
+    for found in in_order(_one, task, n, workers):
         done.append(found)
         if progress is not None:
             progress(len(done), n)
@@ -187,29 +185,6 @@ def offenders(draws: tuple[Draw, ...]) -> list[dict[str, object]]:
         wins = np.mean((a[:, None] > b) + 0.5 * (a[:, None] == b))
         found.append({"parameter": name, "probability": float(wins)})
     return sorted(found, key=lambda f: -abs(float(str(f["probability"])) - 0.5))
-
-
-def _draws(task: Task, n: int, workers: int) -> Iterator[Draw]:
-    """The first n draws of a task in their order."""
-    if workers == 1:
-        yield from (_one(task, number) for number in range(n))
-        return
-    context = multiprocessing.get_context("spawn")  # engines do not survive a fork
-    with concurrent.futures.ProcessPoolExecutor(
-        workers, context, initializer=_adopt, initargs=(task,)
-    ) as pool:
-        yield from pool.map(_one_of_adopted, range(n))
-
-
-_adopted: list[Task] = []  # the task of a worker process, which is sent it once
-
-
-def _adopt(task: Task) -> None:
-    _adopted[:] = [task]
-
-
-def _one_of_adopted(number: int) -> Draw:
-    return _one(_adopted[0], number)
 
 
 def _one(task: Task, number: int) -> Draw:

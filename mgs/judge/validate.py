@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 from collections.abc import Iterable
 from functools import partial
@@ -12,6 +13,7 @@ from mgs.core.progress import StepProgress, progress_of_step
 from mgs.judge.monte_carlo import monte_carlo as replay_draws
 from mgs.judge.monte_carlo import summary, survival_check
 from mgs.judge.motion_checks import check_motion
+from mgs.judge.servo_sweep import sweep_servos
 from mgs.judge.verdict import Verdict, judge
 from mgs.motion import Motion
 from mgs.motion_file import read_motion
@@ -33,6 +35,7 @@ def validate(
     seed: int = 0,
     workers: int = 1,
     sample: int | None = None,
+    servo_sweep: bool = False,
     progress: StepProgress | None = None,
 ) -> Verdict:
     """Judge a motion by static checks and open-loop replays in physics.
@@ -50,9 +53,11 @@ def validate(
             random a little different from the plan and the first kind of servos; None: none.
         ranges: how large these differences are, "wide" or "lab" (half as large).
         seed: seed of the random differences.
-        workers: number of processes for these replays.
+        workers: number of processes for these replays and for those of a servo sweep.
         sample: number of one such draw, whose conditions the single replay of each engine then
             has; None: those of the plan.
+        servo_sweep: whether PD servos of many kinds are replayed too (`mgs.judge.servo_sweep`); no
+            check depends on it.
         progress: called with the name of a step, and work done and work in all of this step.
 
     Raises:
@@ -88,7 +93,14 @@ def validate(
         tell = progress_of_step(progress, f"{name}, {n_draws} random replays")
         found.append(drawn(motion, name, settings=settings[name], progress=tell))
     checks += [survival_check(result) for result in found]
-    return judge(file or motion.gait_name, checks, replays, summary(found))
+    verdict = judge(file or motion.gait_name, checks, replays, summary(found))
+    if not servo_sweep:
+        return verdict
+    sweeps = []
+    for name in engines:
+        tell = progress_of_step(progress, f"{name}, servo sweep")
+        sweeps.append(sweep_servos(motion, name, settings[name], workers=workers, progress=tell))
+    return dataclasses.replace(verdict, servo_sweep=tuple(sweeps))
 
 
 def _check_draws(

@@ -16,6 +16,7 @@ import numpy as np
 
 from mgs.judge.html import verdict_table
 from mgs.judge.motion_checks import Check
+from mgs.judge.servo_cases import ServoSweep
 from mgs.sim import Agreement, EngineName, Replay, ServoName, Strike, agreement
 from mgs.sim.figures import STANDING_LOAD, STANDING_TILT_DEG
 from mgs.sim.poses import FALL_TILT
@@ -36,6 +37,7 @@ class Verdict:
     checks: tuple[Check, ...]  # static ones first, then those of each replay
     replays: tuple[Replay, ...]
     monte_carlo: dict[str, object] | None = None  # as `mgs.judge.monte_carlo.summary` gives it
+    servo_sweep: tuple[ServoSweep, ...] | None = None  # by engine; no check depends on it
 
     @property
     def passed(self) -> bool:
@@ -89,6 +91,9 @@ class Verdict:
             "replays": [replay.to_json() for replay in self.replays],
             "agreement": None if agreed is None else agreed.to_dict(),
             "monte_carlo": self.monte_carlo,
+            "servo_sweep": None
+            if self.servo_sweep is None
+            else [sweep.to_dict() for sweep in self.servo_sweep],
         }
 
 

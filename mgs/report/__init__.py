@@ -5,6 +5,7 @@ from mgs.report.envelope import plot_envelope
 from mgs.report.motion_plots import MOTION_PLOTS, plot_motion
 from mgs.report.picture import picture_strip, write_picture
 from mgs.report.plot import Figures, plot
+from mgs.report.servo_sweep import plot_servo_sweep
 
 __all__ = [
     "MOTION_PLOTS",
@@ -13,6 +14,7 @@ __all__ = [
     "plot",
     "plot_envelope",
     "plot_motion",
+    "plot_servo_sweep",
     "save_figures",
     "write_picture",
 ]

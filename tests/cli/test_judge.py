@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import json
 import math
 from pathlib import Path
@@ -11,6 +12,8 @@ from typing import Any
 import pytest
 
 from mgs.judge.motion_checks import check_motion
+from mgs.judge.servo_cases import Case
+from mgs.judge.servo_sweep import sweep_servos
 from mgs.motion_file import read_motion, write_motion
 from mgs.robot import build_robot
 from mgs.sim import available_engines
@@ -124,6 +127,50 @@ def test_without_any_engine_validate_reports_that_none_is_installed(walk_file: P
     assert (result.exit_code, result.stdout) == (1, "")
     assert "install mujoco or pybullet" in result.stderr
     assert run("validate", walk_file, "--physics", "none").exit_code == 0
+
+
+@needs_mujoco
+def test_a_servo_sweep_is_printed_and_drawn(walk_file: Path, tmp_path: Path, monkeypatch):
+    cases = (Case(None, 1.0, 0.5), Case(None, 1.0, 60.0))
+    monkeypatch.setattr(
+        "mgs.judge.validate.sweep_servos", functools.partial(sweep_servos, cases=cases)
+    )
+    figure = tmp_path / "servos.png"
+    options = ("--physics", "mujoco", "--servo-sweep", "--sweep-plot", figure)
+    result = run("validate", walk_file, *options)
+    assert result.exit_code == 0  # no check depends on the sweep
+    words = "mujoco, PD servos, planned angles, friction 1: passes at sags of 0.5 deg"
+    assert words in result.stdout.splitlines()
+    drawn = figure.read_bytes()
+    assert drawn.startswith(b"\x89PNG")
+    again = run("validate", walk_file, *options)
+    assert (again.exit_code, again.stdout) == (1, "")
+    assert "--force" in again.stderr
+    content = json.loads(run("validate", walk_file, *options, "--force", "--json").stdout)
+    assert figure.read_bytes() == drawn
+    (sweep,) = content["servo_sweep"]
+    assert (sweep["engine"], sweep["passed"], sweep["n"]) == ("mujoco", 1, 2)
+    assert [row["fell"] for row in sweep["replays"]] == [False, True]
+    assert (
+        json.loads(run("validate", walk_file, "--physics", "none", "--json").stdout)["servo_sweep"]
+        is None
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--sweep-plot", "a.png"), "--servo-sweep"),
+        (("--servo-sweep", "--physics", "none", "--sweep-plot", "a.png"), "no servo sweep"),
+        (("--servo-sweep", "--sweep-plot", "a.jpg"), "should end in .png or .svg"),
+    ],
+)
+def test_a_sweep_plot_needs_a_sweep_and_a_known_format(
+    walk_file: Path, options: tuple[str, ...], words: str
+):
+    result = run("validate", walk_file, *options)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert words in result.stderr
 
 
 # --- replay -----------------------------------------------------------------------------------

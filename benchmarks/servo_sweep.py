@@ -1,0 +1,186 @@
+"""Which shipped motions stay up and arrive on servos that nobody modelled: docs/servo_sweep.md.
+
+    python benchmarks/servo_sweep.py [--gaits NAME ...] [--workers N] [--record FILE] [-o FILE]
+
+Every walk, kick, stair and sequence of Melson and COMAN is replayed in both engines: with plain PD
+servos told the planned angles, at several sags and frictions, and with the servos of robot.yaml
+told feed-forward commands for a stiffness that is wrong. Outcomes are kept in a record file by
+gait, motion and case: what was replayed once is not replayed again, unless the motion has changed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import itertools
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from mgs.core.atomic_files import replace_file
+from mgs.gait import list_gaits, load_gait
+from mgs.judge.servo_cases import Case
+from mgs.judge.servo_sweep import sweep_servos
+from mgs.judge.verdict import replay_checks
+from mgs.motion import Motion
+from mgs.pipeline import generate
+from mgs.robot import load_robot
+from mgs.sim import EngineName, available_engines, replay
+
+ROBOTS, KINDS = ("melson", "coman"), ("walk", "kick", "sequence")
+SAGS_DEG = (0.5, 1.0, 2.0, 4.0, 8.0)
+REQUIRED_SAGS_DEG = SAGS_DEG[:3]
+FRICTIONS = (0.7, 1.0, 1.3)
+CASES = tuple(Case(None, mu, sag) for sag, mu in itertools.product(SAGS_DEG, FRICTIONS))
+WRONG_STIFFNESS = (0.7, 1.4)  # that feed-forward is computed for, relative to robot.yaml's servos
+Record = dict[str, list[str]]  # failed checks by case
+
+HEAD = """# Motions on plain PD servos
+
+`python benchmarks/servo_sweep.py` writes this page. Every walk, kick, stair and sequence that
+ships for Melson and COMAN is replayed in both engines with plain PD servos
+([how they are simulated](simulation.md)): sag is their position error at stall torque, they are
+told the planned angles without feed-forward, and the damping time is 10 ms. Three marks stand for
+three coefficients of friction, 0.7, 1.0 and 1.3:
+
+- `+` the motion stays up and meets the tolerances of the verdict,
+- `o` it stays up and misses a tolerance (position, yaw, time at the torque limit, or the ball),
+- `-` it falls.
+
+The last columns are replays with the servos of robot.yaml, at friction 1.0, told feed-forward
+commands for a stiffness 0.7 and 1.4 times theirs. A motion counts as robust when it passes at sags
+of 0.5, 1 and 2 deg with all three frictions in both engines.
+"""
+
+
+def main() -> None:
+    """Replay what is not in the record, and write the page."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--gaits", nargs="*", help="names; default: all that this page is about")
+    parser.add_argument("--workers", type=int, default=1, help="number of processes")
+    parser.add_argument("--record", type=Path, default=Path("outputs/servo_sweep.json"))
+    parser.add_argument("-o", "--output", type=Path, default=Path("docs/servo_sweep.md"))
+    arguments = parser.parse_args()
+    names = arguments.gaits or [name for name in list_gaits() if is_swept(name)]
+    path: Path = arguments.record
+    record: Record = json.loads(path.read_text()) if path.is_file() else {}
+    motions = {name: made(name) for name in names}
+    rows = [(name, prefix_of(name, motion)) for name, motion in motions.items()]
+    for engine in reversed(available_engines()):  # MuJoCo first, which is ten times as fast
+        for name, prefix in rows:
+            complete(record, prefix, motions[name], engine, arguments.workers)
+            replace_file(path, json.dumps(record, indent=1).encode())
+            print(name, engine, *cells(prefix, engine, record), sep=" | ", flush=True)
+    replace_file(arguments.output, page(rows, record).encode())
+
+
+def made(name: str) -> Motion:
+    """The motion of a shipped gait."""
+    gait = load_gait(name)
+    return generate(load_robot(str(gait.robot)), gait, name).motion
+
+
+def prefix_of(name: str, motion: Motion) -> str:
+    """Beginning of the keys of a motion in the record."""
+    return f"{name} {hashlib.sha256(motion.q.tobytes()).hexdigest()[:12]}"
+
+
+def is_swept(name: str) -> bool:
+    """Whether a shipped gait is one of a robot that this page is about and of a kind that moves."""
+    gait = load_gait(name)
+    return gait.robot in ROBOTS and gait.motion in KINDS
+
+
+def complete(record: Record, prefix: str, motion: Motion, engine: EngineName, workers: int) -> None:
+    """Add to the record what is missing of one motion in one engine."""
+    missing = tuple(case for case in CASES if key(prefix, engine, case) not in record)
+    for outcome in sweep_servos(motion, engine, cases=missing, workers=workers).outcomes:
+        record[key(prefix, engine, outcome.case)] = list(outcome.failed)
+    for factor in WRONG_STIFFNESS:
+        if key(prefix, engine, factor) not in record:
+            result = replay(motion, engine, servo="model", assumed_stiffness=factor)
+            failed = [c.name.removeprefix(f"{engine}_") for c in replay_checks(result) if not c.ok]
+            record[key(prefix, engine, factor)] = failed
+
+
+def key(prefix: str, engine: EngineName, case: Case | float) -> str:
+    """Name of one replay in the record."""
+    if isinstance(case, Case):
+        return f"{prefix} {engine} pd {case.sag_deg:g} {case.friction:g}"
+    return f"{prefix} {engine} model {case:g}"
+
+
+def mark(failed: list[str]) -> str:
+    """One character for the outcome of one replay."""
+    if not failed:
+        return "+"
+    return "-" if {"upright", "diverged"} & set(failed) else "o"
+
+
+def cells(prefix: str, engine: EngineName, record: Record) -> list[str]:
+    """Outcomes of one motion in one engine, by sag and by wrong stiffness."""
+    marks = {case: mark(record[key(prefix, engine, case)]) for case in CASES}
+    return [
+        *(" ".join(marks[Case(None, mu, sag)] for mu in FRICTIONS) for sag in SAGS_DEG),
+        *(mark(record[key(prefix, engine, factor)]) for factor in WRONG_STIFFNESS),
+    ]
+
+
+def is_robust(prefix: str, record: Record) -> bool:
+    """Whether a motion passes all that is required of PD servos."""
+    return not any(
+        record[key(prefix, engine, case)]
+        for engine in available_engines()
+        for case in CASES
+        if case.sag_deg in REQUIRED_SAGS_DEG
+    )
+
+
+def line(name: str, prefix: str, record: Record) -> str:
+    """Lines of the table about one motion, one for each engine."""
+    robust = "yes" if is_robust(prefix, record) else "no"
+    lines = []
+    for engine in available_engines():
+        marks = " | ".join(f"`{cell}`" for cell in cells(prefix, engine, record))
+        lines.append(f"| {name} | {engine} | {marks} | {robust} |")
+        name, robust = "", ""
+    return "\n".join(lines)
+
+
+def page(rows: Sequence[tuple[str, str]], record: Record) -> str:
+    """The whole page."""
+    columns = [
+        "motion", "engine", *(f"sag {sag:g} deg" for sag in SAGS_DEG),
+        *(f"own servos, {factor:g}" for factor in WRONG_STIFFNESS), "robust",
+    ]  # fmt: skip
+    robust = [name for name, prefix in rows if is_robust(prefix, record)]
+    table = [
+        f"| {' | '.join(columns)} |",
+        f"|{' --- |' * len(columns)}",
+        *(line(name, prefix, record) for name, prefix in rows),
+    ]
+    count = f"Robust: {len(robust)} of {len(rows)}.\n"
+    return "\n".join([HEAD, count, *table, "", *failures(rows, record), ""])
+
+
+def failures(rows: Sequence[tuple[str, str]], record: Record) -> list[str]:
+    """What fails within the required sags, by motion and engine."""
+    lines = ["## Checks that fail at sags of 0.5 to 2 deg", "", "| motion | engine | checks |"]
+    lines.append("| --- | --- | --- |")
+    for name, prefix in rows:
+        for engine in available_engines():
+            counts: dict[str, int] = {}
+            required = [case for case in CASES if case.sag_deg in REQUIRED_SAGS_DEG]
+            for case in required:
+                for check in record[key(prefix, engine, case)]:
+                    counts[check] = counts.get(check, 0) + 1
+            if counts:
+                told = ", ".join(f"{check} ({n} of {len(required)})" for check, n in counts.items())
+                lines.append(f"| {name} | {engine} | {told} |")
+    return lines
+
+
+if __name__ == "__main__":
+    main()
