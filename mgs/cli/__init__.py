@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
-
 import click
 
 from mgs import __version__
 from mgs.cli.lazy_group import LazyCommand, LazyGroup
+from mgs.cli.process import prepare_process
 from mgs.core.errors import MgsError
 
 COMMANDS = {
@@ -87,6 +86,4 @@ def main() -> None:
     Exit codes: 0 success; 1 the motion fails or the work could not be done; 2 malformed input or
     wrong usage.
     """  # noqa: D301
-    # The matrices of mgs are too small to be shared among threads, whose start alone costs a sixth
-    # of the CPU time of a short command. NumPy reads this when it is imported, in the command.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    prepare_process()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import subprocess
 import sys
@@ -20,7 +19,6 @@ HEAVY = [
     *("numpy", "scipy", "pinocchio", "control", "matplotlib", "pybullet", "mujoco", "mcap"),
     *("pydantic", "yaml", "dask", "distributed"),
 ]
-THREADS = "OPENBLAS_NUM_THREADS"
 
 
 def child(group: click.Group, name: str) -> click.Command:
@@ -152,27 +150,7 @@ print("LOADED", *(name for name in sys.modules if name.startswith("mgs.cli.")))
         [sys.executable, "-c", script], capture_output=True, text=True, check=True
     )
     loaded = {name.removeprefix("mgs.cli.") for name in done.stdout.split("LOADED")[1].split()}
-    assert loaded - {"lazy_group", "common"} == expected
-
-
-@pytest.mark.parametrize(("given", "expected"), [(None, "1"), ("3", "3")])
-def test_a_command_uses_one_thread_for_linear_algebra_unless_told_otherwise(
-    given: str | None, expected: str
-):
-    script = """
-import os
-from mgs.cli import main
-try:
-    main(["robot", "list"], prog_name="mgs")
-except SystemExit:
-    print("THREADS", os.environ["OPENBLAS_NUM_THREADS"])
-"""
-    environment = {key: value for key, value in os.environ.items() if key != THREADS}
-    environment |= {} if given is None else {THREADS: given}
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment
-    )
-    assert done.stdout.split()[-2:] == ["THREADS", expected]
+    assert loaded - {"lazy_group", "process", "common"} == expected
 
 
 def test_the_version_is_the_version_of_the_package():
