@@ -91,8 +91,7 @@ def stretched_claims(study: Study) -> list[Claim]:
         Claim(
             "B_speed",
             f"squat above reach: joint speeds of ik1 exceed {SPEED_MAX:g} rad/s, those of ik3 to "
-            "ik5 do "
-            "not",
+            "ik5 do not",
             f"ik1 {speeds['ik1']:.2f}, ik3 {speeds['ik3']:.2f}, ik4 {speeds['ik4']:.2f} rad/s",
             speeds["ik1"] > SPEED_MAX >= max(speeds[m] for m in BOUNDED) - REGION,
             values=speeds,

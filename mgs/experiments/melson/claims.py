@@ -96,8 +96,8 @@ def torque_claims(study: Study) -> list[Claim]:
             if kind == "peak" and np.abs(series["S3"]).argmax() == 0:
                 note += (
                     "; the peak of S3 is at the first sample of single support, when the gravity "
-                    "gain "
-                    "is still near zero and the posture results from the double support before"
+                    "gain is still near zero and the posture results from the double support "
+                    "before"
                 )
             claims.append(
                 Claim(
@@ -167,8 +167,8 @@ def ankle_torque_claim(study: Study) -> Claim:
         show(values, "N m", 4),
         values["S3"] > (1.0 - SAME_TORQUE) * min(values["S1"], values["S2"]),
         f"relative difference of the peaks {gap:.0e}; the axis is fixed to the support sole, so "
-        "that "
-        "the CoM, which is a task, determines the torque, and no null-space motion can change it",
+        "that the CoM, which is a task, determines the torque, and no null-space motion can "
+        "change it",
         values,
     )
 
@@ -216,8 +216,7 @@ def drift_claims(study: Study) -> list[Claim]:
         Claim(
             "drift_stopped",
             f"with gamma_joint 1 the {joint} drifts by less than {DRIFT_ALLOWED_DEG} deg over the "
-            "last "
-            "ten of 30 steps",
+            "last ten of 30 steps",
             f"{with_task:.1e} deg",
             with_task < DRIFT_ALLOWED_DEG,
             how,
@@ -262,10 +261,8 @@ def pose_claims(study: Study) -> list[Claim]:
             change["gamma_joint 0"] > POSE_CHANGE_DEG,
             f"with gamma_joint 1 the difference is {change['gamma_joint 1']:.1f} deg, because the "
             "half-sitting posture is not the minimum of H_joint. But then the posture settles: "
-            "over "
-            f"the last ten steps joints change by up to {moved['gamma_joint 1']:.0e} deg at equal "
-            "phases, "
-            f"with gamma_joint 0 by up to {moved['gamma_joint 0']:.1f} deg",
+            f"over the last ten steps joints change by up to {moved['gamma_joint 1']:.0e} deg at "
+            f"equal phases, with gamma_joint 0 by up to {moved['gamma_joint 0']:.1f} deg",
             change,
         ),
     ]

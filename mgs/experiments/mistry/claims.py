@@ -97,10 +97,8 @@ def eight_claims(study: Study) -> list[Claim]:
             f"hand {1e3 * projected:.1f} mm, CoG {1e3 * com:.1e} mm",
             projected > com and projected > HAND_MET,
             "the figure is 60 mm wide; N_A removes the part of J_B^+ that would move the soles. "
-            "In the "
-            f"acceleration form the error is {1e3 * hand[ACCELERATION, PROJECTED]:.1f} mm, "
-            "because the "
-            "feedback of the remaining error accumulates",
+            f"In the acceleration form the error is {1e3 * hand[ACCELERATION, PROJECTED]:.1f} mm, "
+            "because the feedback of the remaining error accumulates",
             {"hand": projected, "com": com},
         ),
         Claim(
@@ -218,9 +216,8 @@ def walk_claims(study: Study) -> list[Claim]:
             f"{elsewhere:.2f} rad/s^2",
             at_switch <= elsewhere and tracked[0][0] <= tracked[0][1],
             f"projected form; without handover {jump:.0f} rad/s^2. In the tracking form both sets "
-            "of "
-            "constraints have the same solution if all tasks can be met: "
-            f"{tracked[0][0]:.2f} and {tracked[1][0]:.2f} rad/s^2",
+            f"of constraints have the same solution if all tasks can be met: {tracked[0][0]:.2f} "
+            f"and {tracked[1][0]:.2f} rad/s^2",
             {"switch": at_switch, "elsewhere": elsewhere, "no handover": jump},
         ),
     ]

@@ -148,8 +148,7 @@ def preview_claim(study: Study) -> Claim:
         gap,
         gap < AGREEMENT,
         f"dlqr of order {4 + len(future)} without a formula for preview gains; differences "
-        "relative to "
-        "the largest gain",
+        "relative to the largest gain",
     )
 
 
@@ -192,10 +191,8 @@ def step_claim(study: Study) -> Claim:
     return Claim(
         "step",
         "the ZMP converges to a step that is known in advance: overshoot below "
-        f"{100 * OVERSHOOT:g} %, "
-        f"error below {100 * SETTLED:g} % after {SETTLED_AFTER * study.soft.dt:g} s, final error "
-        "below "
-        f"{END_ERROR:g} m",
+        f"{100 * OVERSHOOT:g} %, error below {100 * SETTLED:g} % after "
+        f"{SETTLED_AFTER * study.soft.dt:g} s, final error below {END_ERROR:g} m",
         f"overshoot {100 * overshoot:.2f} %, error {100 * settled:.1e} %, final error {end:.1e} m",
         overshoot < OVERSHOOT and settled < SETTLED and end < END_ERROR,
         f"weight_jerk {SOFT:g}; before the step the ZMP undershoots by {100 * undershoot:.2f} %",
