@@ -1,4 +1,4 @@
-"""The same work on many numbers, in one process or several, with the results in order."""
+"""Equal work on many numbers, in one process or in several, with the results in order."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ class ServoSweep:
         )
 
     def to_dict(self) -> dict[str, object]:
-        """Plain data."""
+        """Convert to plain data."""
         return {
             "engine": self.engine,
             "passed": sum(not outcome.failed for outcome in self.outcomes),
