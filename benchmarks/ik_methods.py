@@ -55,6 +55,7 @@ from mgs.core.plugins import IK_SOLVERS
 from mgs.experiments.faraji.runs import FEW, ITERATED, MANY, STRETCHED, Key, gait_of
 from mgs.gait import BalanceGait, WalkGait, load_gait
 from mgs.ik_solver.hard_soft import NEAR_STRETCHED, FarajiIk, FarajiRun
+from mgs.ik_solver.prioritized import PrioritizedReport
 from mgs.motion_planner.balance import plan_balance
 from mgs.motion_planner.walk import plan_walk
 from mgs.pipeline import first_com
@@ -182,12 +183,11 @@ class _SolverTimes:
         case = self.case
         solver = IK_SOLVERS.load(method).from_parameters(case.gait_with(method, FEW).ik)
         try:
-            found = solver.solve(case.robot, case.tasks, case.com).report
+            report = solver.solve(case.robot, case.tasks, case.com).report
         except MgsError as error:
             self.notes[method] = f"refuses: {str(error).partition(';')[0]}"
             return False
-        errors = found.get("worst_errors", {})
-        assert isinstance(errors, dict)
+        errors = report.worst_errors if isinstance(report, PrioritizedReport) else {}
         missed = [f"{name} by {error:.2g}" for name, error in errors.items() if error > MISSED]
         if missed:
             self.notes[method] = f"misses {', '.join(missed)} [m, rad]"

@@ -7,7 +7,6 @@ over a run without recording is given as well.
 
 from __future__ import annotations
 
-import itertools
 import time
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
@@ -20,8 +19,10 @@ from spread import Spread, spread
 
 from mgs.core.arrays import Array
 from mgs.core.contact import Side
+from mgs.core.spans import spans
 from mgs.gait import load_gait
 from mgs.ik_solver import clik, solve_ik
+from mgs.ik_solver.gains import gravity_gain_profile, rest_profile
 from mgs.ik_solver.tree.tasks import WORLD_ALIGNED, TreeTasks
 from mgs.pipeline import Stages, run_stages
 from mgs.robot import load_robot
@@ -104,12 +105,11 @@ def _single_steps(stages: Stages) -> Array:
     with mock.patch.object(clik, "TreeTasks", StampedTasks):
         motion = stages.motion
         joints = solve_ik(motion.robot, stages.tasks, stages.com, stages.gait.ik)
-    if joints.report["newton_updates"]:
+    if joints.report_of(clik.ClosedLoopReport).newton_updates:
         raise RuntimeError("this gait needs Newton updates, so that an update is not a step")
     root = stages.tasks.root
-    bounds = [0, *(np.flatnonzero(np.diff(root)) + 1), len(root)]
     steps, end = np.empty(len(root)), len(StampedTasks.stamps)
-    for first, last in reversed(list(itertools.pairwise(bounds))):
+    for first, last in reversed(spans(root)):
         # a span of m samples has m + 1 updates; the remaining updates belong to the start
         stamps = np.array(StampedTasks.stamps[end - (last - first) - 1 : end])
         steps[first:last] = np.diff(stamps) * 1e-9
@@ -121,8 +121,8 @@ def _gravity_at_work(stages: Stages) -> NDArray[np.bool_]:
     """Mask (N,) of the samples at which the solver evaluates the gravity task."""
     gait, tasks = stages.gait, stages.tasks
     ramp = gait.ik.gamma_grav_ramp
-    factor = clik.gravity_gain_profile(tasks.support, tasks.dt, ramp)
-    factor *= clik.rest_profile(tasks.n_samples, tasks.dt, ramp)
+    factor = gravity_gain_profile(tasks.support, tasks.dt, ramp)
+    factor *= rest_profile(tasks.n_samples, tasks.dt, ramp)
     return factor * gait.ik.gamma_grav > 0.0
 
 

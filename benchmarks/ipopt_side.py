@@ -41,11 +41,11 @@ class Ipopt:
         poses = _poses(robot.model, (p0 + R0 @ base[0], R0 @ base[1]), joints0 + joints)
         f: list[Any] = []
         left = list(rotations)
-        frames = dict(zip(("left_sole", "right_sole"), robot.sole_frames, strict=True))
         for part in tasks.parts[:-1]:
-            frame = robot.model.frames[frames.get(part, robot.torso_frame)]
+            assert part.frame is not None and part.turns  # soles and torso
+            frame = robot.model.frames[part.frame(robot)]
             p, R = _times(poses[frame.parentJoint], frame.placement)
-            if part != "torso":
+            if part.n_axes:
                 f.append(p - x[tasks.rows[part].start : tasks.rows[part].start + 3])
             f.append(_vee(R @ left.pop(0).T))
         com = _com(robot.model, poses)

@@ -22,7 +22,8 @@ from scipy.optimize import Bounds, minimize
 
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
-from mgs.ik_solver.floating.tasks import COM_AXES, BodyTasks
+from mgs.ik_solver.floating.parts import COM
+from mgs.ik_solver.floating.tasks import BodyTasks
 from mgs.ik_solver.hard_soft import FarajiRun
 
 
@@ -61,7 +62,7 @@ class Ik4Problem:
         self.m_hard = len(run.E_hard)
         self.soft = slice(self.m_hard, self.tasks.m)
         (part,) = run.tasks.parts[-1:]
-        if run.solver.method != 4 or self.tasks.m - self.m_hard != 3 or part != "com":
+        if run.solver.method != 4 or self.tasks.m - self.m_hard != 3 or part is not COM:
             raise ValueError("only ik4 with the CoM as its only soft task is supported")
         region = run.region
         self.middle, self.half = region.middle, 0.5 * (region.upper - region.lower)
@@ -73,13 +74,11 @@ class Ik4Problem:
         self.set(Sample(0, run.q.copy(), np.zeros(self.model.nv), False))
 
     def _rotation_frames(self) -> list[tuple[slice, int]]:
-        robot, found = self.run.robot, []
-        frames = dict(zip(("left_sole", "right_sole"), robot.sole_frames, strict=True))
-        frames["torso"] = robot.torso_frame
-        for part in self.run.tasks.parts:
-            if part in frames:
-                stop = self.tasks.rows[part].stop
-                found.append((slice(stop - 3, stop), frames[part]))
+        found = []
+        for part, rows in self.tasks.rows.items():
+            if part.turns and part.frame is not None:
+                turned = slice(rows.start + part.n_axes, rows.stop)
+                found.append((turned, part.frame(self.run.robot)))
         return found
 
     def set(self, sample: Sample) -> None:
@@ -111,7 +110,7 @@ class Ik4Problem:
         # d integrate(q_prev, dq) / d dq, in the tangent space at q
         turn = pin.dIntegrate(self.model, self.q_prev, dq, pin.ARG1)
         gamma, J_soft = self.run.gamma, J[self.soft]
-        moved = J_soft + gamma * self.tasks.com_velocity_derivative(self.q, dq)[COM_AXES["com"]]
+        moved = J_soft + gamma * self.tasks.com_velocity_derivative(self.q, dq)
         self._d_delta = moved.dot(turn) + gamma * J_soft
         self._d_hard = J[: self.m_hard].dot(turn)
 

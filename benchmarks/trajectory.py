@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mgs.core.errors import MgsError
-from mgs.gait import Gait, load_gait, parse_gait
+from mgs.gait import Gait, IkParameters, load_gait, parse_gait
 from mgs.ik_solver import solve_ik
 from mgs.ik_solver.whole_motion import Problem, TrajectoryIk
 from mgs.pipeline import Stages, run_stages
@@ -139,7 +139,8 @@ def _solve_time(robot: Robot, stages: Stages) -> float:
 
 def cost_of(robot: Robot, stages: Stages) -> float:
     """Integral of 0.35 H_joint + 1.6 H_grav [s]; `trajectory` uses the same weights by default."""
-    problem = Problem(TrajectoryIk(), robot, stages.tasks, stages.com)
+    solver = TrajectoryIk.from_parameters(IkParameters())
+    problem = Problem(solver, robot, stages.tasks, stages.com)
     return problem.cost(stages.joints.angles)
 
 

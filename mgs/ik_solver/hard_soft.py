@@ -18,8 +18,7 @@ more joints than tasks is drawn to its half-sitting posture by a term of small w
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass
 
 import numpy as np
 import pinocchio as pin
@@ -28,38 +27,41 @@ from mgs.com_generator import ComTrajectory
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.core.errors import ConfigError
+from mgs.core.progress import Progress, samples_reported
 from mgs.gait import FarajiParameters, IkParameters
+from mgs.ik_solver.floating.parts import parts_of
 from mgs.ik_solver.floating.safety_region import SafetyRegion
+from mgs.ik_solver.floating.soft_objective import SoftObjective
 from mgs.ik_solver.floating.stretched_joints import stretched_joints
-from mgs.ik_solver.floating.tasks import COM_AXES, BodyTargets, BodyTasks, body_targets, parts_of
+from mgs.ik_solver.floating.targets import body_targets
+from mgs.ik_solver.floating.tasks import BodyTasks, judged_rows, measure_tasks
 from mgs.ik_solver.joint_trajectory import JointTrajectory
 from mgs.ik_solver.qp import BoundedQp, solve_equality
-from mgs.ik_solver.residuals import measure_tasks, refuse_limits, refuse_misses, task_misses
+from mgs.ik_solver.residuals import refuse_limits, refuse_misses
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
 
-DEFAULT_ITERATIONS = 15
-POSTURE_WEIGHT = 1e-6  # small against a squared lever arm [m^2]
-HELD_WEIGHT = 0.1  # of joints that follow their posture, large against it
-NEAR_STRETCHED = 0.08  # [rad] from where an iteration does not start
+DEFAULT_ITERATIONS = 15  # where a gait file gives none
+POSTURE_WEIGHT = 1e-6  # [m^2], small against a squared lever arm
+HELD_WEIGHT = 0.1  # [m^2] of joints that follow their posture, large against it
+NEAR_STRETCHED = 0.08  # [rad] distance from a stretched limb within which no iteration starts
 MAX_START_ITERATIONS = 200
 ROUNDING = 1e-9  # [rad] by which an interval that ends at a limit may overstep it
 CONVERGED = 1e-7  # [rad] and [m], step at which iterations end
-N_REPORTS = 50  # of progress
 
 
 @dataclass(frozen=True, kw_only=True)
 class FarajiIk:
-    """One of the five methods and its tuning."""
+    """One of the five methods and its settings."""
 
     method: int  # 1 to 5
-    tuning: FarajiParameters = field(default_factory=FarajiParameters)
-    iterations: int = DEFAULT_ITERATIONS  # n of ik2, ik4 and ik5
-    keep: bool = False  # record a missed hard task or a broken limit instead of refusing it
+    tuning: FarajiParameters
+    iterations: int  # n of ik2, ik4 and ik5
+    keep: bool  # record a missed hard task or a joint out of range instead of refusing it
 
     @classmethod
     def from_parameters(cls, parameters: IkParameters) -> FarajiIk:
-        """Solver with the tuning of a gait file."""
+        """Solver with the settings of a gait file."""
         iterations = parameters.iterations
         if iterations == 0:
             raise ConfigError("ik.iterations", "0 leaves ik1 to ik5 nothing to do; at least 1")
@@ -72,7 +74,7 @@ class FarajiIk:
 
     @property
     def is_bounded(self) -> bool:
-        """Whether the safety region holds."""
+        """Whether the safety region bounds the joints."""
         return self.method >= 3
 
     def solve(
@@ -80,17 +82,27 @@ class FarajiIk:
         robot: Robot,
         tasks: TaskTrajectory,
         com: ComTrajectory,
-        progress: Callable[[int, int], None] | None = None,
+        progress: Progress | None = None,
     ) -> JointTrajectory:
         """Follow the tasks from the half-sitting posture; see `IkSolver.solve` for the errors."""
         run = FarajiRun(self, robot, tasks, com)
         run.start()
-        n = tasks.n_samples
-        for k in range(n):
+        for k in samples_reported(tasks.n_samples, progress):
             run.step(k)
-            if progress is not None and (k + 1) % max(1, n // N_REPORTS) == 0:
-                progress(k + 1, n)
         return run.finish()
+
+
+@dataclass(frozen=True)
+class FarajiReport:
+    """How one of the methods fared."""
+
+    hard_error: float  # largest entry of the error of a hard task [m] or [rad]
+    elastic_samples: int  # samples at which hard rows and bounds contradicted each other
+    recovering_samples: int  # samples at which a joint could not reach its safety region
+
+    def to_dict(self) -> dict[str, object]:
+        """The report as plain data."""
+        return asdict(self)
 
 
 class FarajiRun:
@@ -99,6 +111,8 @@ class FarajiRun:
     Attributes:
         q: (7 + n,) configuration after the last step.
         H, g, A, b: the quadratic program of the last iteration, in dq (6 + n,).
+        configurations: (N, 7 + n) configurations of all samples.
+        elastic, recovering: samples that the report counts.
     """
 
     def __init__(
@@ -106,102 +120,87 @@ class FarajiRun:
     ) -> None:
         self.solver, self.robot, self.model, self.dt = solver, robot, robot.model, tasks.dt
         tuning = solver.tuning
-        hard, soft = parts_of(tuning.hard, tasks), parts_of(tuning.soft, tasks)
-        self.hard = hard
-        self.tasks = BodyTasks(robot, (*hard, *soft))
-        self.targets: BodyTargets = body_targets((*hard, *soft), tasks, com)
-        m, nv = self.tasks.m, robot.model.nv
-        m_soft = sum(_size(self.tasks.rows[part]) for part in soft)
-        m_hard = m - m_soft
-        if m_hard == 0:
-            raise ConfigError(
-                "ik.faraji.hard", "nothing is asked of the hands in this motion; add another task"
-            )
-        self.J_hard, self.J_soft = self.tasks.J[:m_hard], self.tasks.J[m_hard:]
-        self.error = np.zeros(m)
-        self.E_hard, self.E_soft = self.error[:m_hard], self.error[m_hard:]
-        self.steps_hard, self.steps_soft = np.split(self.targets.steps, [m_hard], axis=1)
-        gamma = tuning.gamma if solver.method >= 4 else 0.0
-        self.gamma, self.gamma_hard = gamma, gamma if tuning.gamma_rows == "all" else 0.0
-        self.weights = self._weights(soft)
-        self._soft_com = [
-            (slice(self.tasks.rows[p].start - m_hard, self.tasks.rows[p].stop - m_hard), axes)
-            for p, axes in COM_AXES.items()
-            if p in soft
-        ]
+        self.gamma = tuning.gamma if solver.method >= 4 else 0.0
+        self.gamma_hard = self.gamma if tuning.gamma_rows == "all" else 0.0
         self.iterations = solver.iterations if solver.method in (2, 4, 5) else 1
-        spare = nv - m
-        posture = tuning.posture_weight
-        default = POSTURE_WEIGHT if spare > 0 else 0.0
-        # beside the soft rows' own pull at rest, where the gamma term is nothing
-        weight = np.full(robot.n, default if posture is None else posture)
-        if tasks.posture is not None:
-            weight[tasks.posture.held] = HELD_WEIGHT
-        self.posture_weight = weight * (1.0 + gamma if solver.method == 4 else 1.0)
-        self.damping = np.full(nv, tuning.damping)
-        self.damping[FLOATING_BASE_NV:] += self.posture_weight
-        self.region = SafetyRegion(
-            robot.lower + tuning.margin,
-            robot.upper - tuning.margin,
-            _speed_max(robot, tuning),
-            tasks.dt,
-            tuning.region,
-        )
-        self.stretched, self.stretched_at = stretched_joints(robot)
-        self.qp = BoundedQp(nv, m_hard)
-        self.low, self.high = np.empty(robot.n), np.empty(robot.n)
-        self.q = robot.standing_q.copy()
-        if tasks.start is not None:
-            self.q[FLOATING_BASE_NQ:] = tasks.start
-        # that joints left over are drawn to, at every sample
-        self.posture = (
-            np.tile(self.q[FLOATING_BASE_NQ:], (tasks.n_samples, 1))
-            if tasks.posture is None
-            else tasks.posture.angles
-        )
-        self.H, self.g = np.zeros((nv, nv)), np.zeros(nv)
+        self._set_tasks(tasks, com)
+        self._set_posture(tasks)
+        damping = np.full(robot.model.nv, tuning.damping)
+        damping[FLOATING_BASE_NV:] += self.posture_weight
+        self.objective = SoftObjective(self.tasks, self.soft, tuning, damping)
+        self.H, self.g, self.weights = self.objective.H, self.objective.g, self.objective.weights
         self.A, self.b = self.J_hard, self.E_hard
-        self._diagonal = self.H.ravel()[:: nv + 1]  # a view
-        self._turned = np.empty((m_soft, nv))
+        self.region = _safety_region(robot, tuning, tasks.dt)
+        self.stretched, self.stretched_at = stretched_joints(robot)
+        self.qp = BoundedQp(robot.model.nv, len(self.E_hard))
+        self.low, self.high = np.empty(robot.n), np.empty(robot.n)
         self.configurations = np.empty((tasks.n_samples, robot.model.nq))
         self.velocities = np.empty((tasks.n_samples, robot.n)) if solver.method == 2 else None
         self.elastic: list[int] = []
         self.recovering: list[int] = []
 
-    def _weights(self, soft: tuple[str, ...]) -> Array:
-        """Q (m_soft, 1), row by row."""
-        named = self.solver.tuning.soft
-        rows: list[float] = []
-        for part in soft:
-            name = "soles" if part.endswith("sole") else "hands" if part.endswith("hand") else part
-            weights = named[name]  # type: ignore[index]
-            rows += [*weights, *weights] if name == "soles" else weights
-        return np.array(rows)[:, None]
+    def _set_tasks(self, tasks: TaskTrajectory, com: ComTrajectory) -> None:
+        """Hard and soft tasks, their references and the buffers of their errors."""
+        tuning = self.solver.tuning
+        self.hard, self.soft = parts_of(tuning.hard, tasks), parts_of(tuning.soft, tasks)
+        if not self.hard:
+            raise ConfigError(
+                "ik.faraji.hard", "nothing is asked of the hands in this motion; add another task"
+            )
+        self.tasks = BodyTasks(self.robot, (*self.hard, *self.soft))
+        self.targets = body_targets(self.tasks.parts, tasks, com)
+        m_hard = sum(part.size for part in self.hard)
+        self.J_hard, self.error = self.tasks.J[:m_hard], np.zeros(self.tasks.m)
+        self.E_hard, self.E_soft = self.error[:m_hard], self.error[m_hard:]
+        self.steps_hard, self.steps_soft = np.split(self.targets.steps, [m_hard], axis=1)
+
+    def _set_posture(self, tasks: TaskTrajectory) -> None:
+        """First configuration, and the posture that joints are drawn to with what weight."""
+        robot, given = self.robot, self.solver.tuning.posture_weight
+        self.q = robot.standing_q.copy()
+        if tasks.start is not None:
+            self.q[FLOATING_BASE_NQ:] = tasks.start
+        default = POSTURE_WEIGHT if robot.model.nv > self.tasks.m else 0.0
+        weight = np.full(robot.n, default if given is None else given)
+        if tasks.posture is None:
+            self.posture = np.tile(self.q[FLOATING_BASE_NQ:], (tasks.n_samples, 1))
+        else:
+            self.posture = tasks.posture.angles
+            weight[tasks.posture.held] = HELD_WEIGHT
+        # in ik4 the soft rows weigh 1 + gamma at rest, where their velocity is zero
+        self.posture_weight = weight * (1.0 + self.gamma if self.solver.method == 4 else 1.0)
 
     def start(self) -> None:
-        """Bring q from the half-sitting posture onto the first sample, at any speed."""
-        region, joints = self.region, self.q[FLOATING_BASE_NQ:]
+        """Bring q from the half-sitting posture onto the first sample, at any speed.
+
+        Raises:
+            ConfigError: the margin leaves a joint no range, or none that contains the posture.
+        """
+        self._refuse_margin()
+        self.low[:], self.high[:] = self.region.lower, self.region.upper
+        for _ in range(MAX_START_ITERATIONS):
+            if self._iterate(0, 0.0, 0.0, None) < CONVERGED:
+                break
+
+    def _refuse_margin(self) -> None:
+        region, names, joints = self.region, self.robot.joint_names, self.q[FLOATING_BASE_NQ:]
         tight = np.flatnonzero(region.lower >= region.upper)
         if len(tight):
             half = 0.5 * (self.robot.upper - self.robot.lower).min()
             raise ConfigError(
                 "ik.faraji.margin",
                 f"{self.solver.tuning.margin:g} rad on either side leaves nothing of the range of "
-                f"{self.robot.joint_names[int(tight[0])]}; below {half:.4f} on this robot",
+                f"{names[int(tight[0])]}; below {half:.4f} on this robot",
             )
         outside = np.flatnonzero((joints < region.lower) | (joints > region.upper))
         if len(outside):
             j = int(outside[0])
             raise ConfigError(
                 "ik.faraji.margin",
-                f"the posture has {self.robot.joint_names[j]} at {joints[j]:.4f} rad, outside "
+                f"the posture has {names[j]} at {joints[j]:.4f} rad, outside "
                 f"[{region.lower[j]:.4f}, {region.upper[j]:.4f}], its range less the margin; "
                 "use a smaller margin",
             )
-        self.low[:], self.high[:] = region.lower, region.upper
-        for _ in range(MAX_START_ITERATIONS):
-            if self._iterate(0, 0.0, 0.0, None) < CONVERGED:
-                break
 
     def step(self, k: int) -> None:
         """Go on to sample k."""
@@ -238,7 +237,7 @@ class FarajiRun:
                 joints[j] = self.high[j] if inward else self.low[j]
 
     def _iterate(self, k: int, gamma: float, gamma_hard: float, q_prev: Array | None) -> float:
-        """One linearisation about q, one step; its length."""
+        """One linearisation about q and one step; its length [rad] and [m]."""
         tasks, q = self.tasks, self.q
         tasks.update(q)
         tasks.error(self.targets.x[k], self.targets.rotations[k], self.error)
@@ -249,60 +248,29 @@ class FarajiRun:
             if gamma_hard:
                 lag = self.steps_hard[k] - (0.0 if v is None else self.J_hard.dot(v))
                 self.b = (self.E_hard + gamma_hard * lag) / (1.0 + gamma_hard)
-            self._set_gamma_objective(q, v, self.steps_soft[k], gamma)
+            self.objective.set_with_velocity(
+                self.solver.method, gamma, self.E_soft, self.steps_soft[k], q, v
+            )
         else:
-            self._set_objective(self.J_soft, self.E_soft, self.weights)
+            self.objective.set(self.E_soft)
         joints = q[FLOATING_BASE_NQ:]
         self.g[FLOATING_BASE_NV:] -= self.posture_weight * (self.posture[k] - joints)
-        if not self.solver.is_bounded:
-            dq = solve_equality(self.H, self.g, self.A, self.b)
-            self.q = pin.integrate(self.model, q, dq)
-        else:
-            np.subtract(self.low, joints, out=self.qp.low)
-            np.subtract(self.high, joints, out=self.qp.high)
-            dq = self.qp.solve(self.H, self.g, self.A, self.b)
-            self.q = pin.integrate(self.model, q, dq)
+        dq = self._minimiser(joints)
+        self.q = pin.integrate(self.model, q, dq)
         return math.sqrt(dq.dot(dq))
 
-    def _set_gamma_objective(self, q: Array, v: Array | None, step: Array, gamma: float) -> None:
-        """Fill H and g of ik4 or ik5, for v (6 + n,) from q_prev to q and step (m_soft,) = xdot dt.
-
-        v is None where q is q_prev.
-
-        J(q) v depends on q by v and by J. At a stretched knee, where J itself vanishes, the latter
-        is all there is; of the soft tasks it is taken into account for the CoM.
-        """
-        J, E, turned = self.J_soft, self.E_soft, self._turned
-        np.copyto(turned, J)  # derivative of J v by q
-        if v is None:
-            lag = step.copy()
-        else:
-            lag = step - J.dot(v)
-            for rows, axes in self._soft_com:
-                turned[rows] += self.tasks.com_velocity_derivative(q, v)[axes]
-        if self.solver.method == 4:
-            turned *= gamma
-            turned += J
-            lag *= gamma
-            lag += E
-            self._set_objective(turned, lag, self.weights)
-        else:
-            Q = self.weights
-            both = np.concatenate([J, turned])
-            self._set_objective(both, np.concatenate([E, lag]), np.concatenate([Q, gamma * Q]))
-
-    def _set_objective(self, J: Array, error: Array, weights: Array) -> None:
-        """Fill H = J^T Q J + R and g = -J^T Q e, for weights (m, 1)."""
-        QJ = weights * J
-        np.dot(J.T, QJ, out=self.H)
-        self._diagonal += self.damping
-        np.dot(error, QJ, out=self.g)
-        np.negative(self.g, out=self.g)
+    def _minimiser(self, joints: Array) -> Array:
+        """Solution dq (6 + n,) of the quadratic program, from joint angles (n,)."""
+        if not self.solver.is_bounded:
+            return solve_equality(self.H, self.g, self.A, self.b)
+        np.subtract(self.low, joints, out=self.qp.low)
+        np.subtract(self.high, joints, out=self.qp.high)
+        return self.qp.solve(self.H, self.g, self.A, self.b)
 
     def _second_problem(self, k: int) -> Array:
-        """Joint velocities (n,) of ik2, eq. (5)."""
+        """Joint velocities (n,) of ik2, eq. (5) [rad/s]."""
         self.tasks.update(self.q)
-        self._set_objective(self.J_soft, self.steps_soft[k], self.weights)
+        self.objective.set(self.steps_soft[k])
         dq = solve_equality(self.H, self.g, self.A, self.steps_hard[k])
         return dq[FLOATING_BASE_NV:] / self.dt
 
@@ -316,22 +284,22 @@ class FarajiRun:
         near = np.clip(joints, self.robot.lower, self.robot.upper)
         np.copyto(joints, near, where=np.abs(near - joints) < ROUNDING)
         if not self.solver.keep:
-            misses = task_misses(self.tasks, errors)
-            refuse_misses([miss for miss in misses if miss.part in self.hard], self.dt)
+            refuse_misses(judged_rows(self.tasks, self.hard), errors, self.dt)
             refuse_limits(self.robot, joints, self.dt)
-        report: dict[str, object] = {
-            "hard_error": float(np.abs(errors[:, : len(self.E_hard)]).max()),
-            "elastic_samples": len(self.elastic),
-            "recovering_samples": len(self.recovering),
-        }
+        report = FarajiReport(
+            hard_error=float(np.abs(errors[:, : len(self.E_hard)]).max()),
+            elastic_samples=len(self.elastic),
+            recovering_samples=len(self.recovering),
+        )
         return JointTrajectory(joints, self.velocities, report)
 
 
-def _size(rows: slice) -> int:
-    return int(rows.stop - rows.start)
-
-
-def _speed_max(robot: Robot, tuning: FarajiParameters) -> Array:
-    if tuning.speed_max is None:
-        return robot.speed_limit
-    return np.minimum(tuning.speed_max, robot.speed_limit)
+def _safety_region(robot: Robot, tuning: FarajiParameters, dt: float) -> SafetyRegion:
+    fastest = robot.speed_limit if tuning.speed_max is None else tuning.speed_max
+    return SafetyRegion(
+        robot.lower + tuning.margin,
+        robot.upper - tuning.margin,
+        np.minimum(fastest, robot.speed_limit),
+        dt,
+        tuning.region,
+    )

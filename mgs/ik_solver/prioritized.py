@@ -24,8 +24,7 @@ level A, and the projected form misses a swing sole in level B: a Newton step th
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass
 
 import numpy as np
 import pinocchio as pin
@@ -35,38 +34,42 @@ from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.core.contact import Side, Support
 from mgs.core.errors import IkError
+from mgs.core.progress import Progress, samples_reported
+from mgs.core.spans import span_starts
 from mgs.gait import IkParameters, PrioritizedParameters
 from mgs.ik_solver.floating.constraints import ConstraintSet, handover_profile, refuse_infeasible
 from mgs.ik_solver.floating.jacobian_rate import JacobianRate
-from mgs.ik_solver.floating.tasks import BodyTargets, BodyTasks, body_targets, parts_of
+from mgs.ik_solver.floating.parts import SOLES, Part, parts_of
+from mgs.ik_solver.floating.targets import body_targets
+from mgs.ik_solver.floating.tasks import BodyTasks, judged_rows, measure_tasks
 from mgs.ik_solver.joint_trajectory import JointTrajectory
-from mgs.ik_solver.residuals import measure_tasks, refuse_limits, refuse_misses, task_misses
+from mgs.ik_solver.residuals import refuse_limits, refuse_misses
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
 
-POSTURE_RATE = 1.0  # [1/s] at which left-over joints go to the half-sitting posture
-POSTURE_DAMPING = 10.0  # [1/s] at which they take on that speed in the acceleration form
-CONFLICT_SPEED = 1.0  # [rad/s] and [m/s], most that a level in conflict with others may ask for
-CATCH_UP = 0.5  # [m/s] and [rad/s] at which a row of a lower level makes up for what it missed
+POSTURE_RATE = 1.0  # [1/s] at which redundant joints approach the half-sitting posture
+POSTURE_DAMPING = 10.0  # [1/s] at which they reach that speed in the acceleration form
+CONFLICT_SPEED = 1.0  # [rad/s] and [m/s], largest rate of a level that conflicts with a higher one
+CATCH_UP = 0.5  # [m/s] and [rad/s], largest rate at which a lower level reduces an old error
 CORRECT_ABOVE = 5e-5  # [m] and [rad], error of level A that calls for a Newton step
 MAX_CORRECTIONS = 5  # per sample
 MAX_START_ITERATIONS = 300
 MAX_START_STEP = 0.2  # [rad] and [m], largest part of a step there
 CONVERGED = 1e-9  # [rad] and [m], step at which the start is found
-N_REPORTS = 50  # of progress
+SWING = {Support.DOUBLE: None, Support.LEFT: Side.RIGHT, Support.RIGHT: Side.LEFT}
 
 
 @dataclass(frozen=True, kw_only=True)
 class PrioritizedIk:
-    """Levels of tasks and their tuning."""
+    """Levels of tasks and their settings."""
 
-    tuning: PrioritizedParameters = field(default_factory=PrioritizedParameters)
-    acceleration: bool = False  # eq. (18) instead of (16)
-    keep: bool = False  # record a missed critical task or a broken limit instead of refusing it
+    tuning: PrioritizedParameters
+    acceleration: bool  # eq. (18) instead of (16)
+    keep: bool  # record a missed critical task or a joint out of range instead of refusing it
 
     @classmethod
     def from_parameters(cls, parameters: IkParameters) -> PrioritizedIk:
-        """Solver with the tuning of a gait file."""
+        """Solver with the settings of a gait file."""
         return cls(
             tuning=parameters.prioritized,
             acceleration=parameters.solver == "prioritized-acceleration",
@@ -78,17 +81,41 @@ class PrioritizedIk:
         robot: Robot,
         tasks: TaskTrajectory,
         com: ComTrajectory,
-        progress: Callable[[int, int], None] | None = None,
+        progress: Progress | None = None,
     ) -> JointTrajectory:
         """Follow the tasks from the half-sitting posture; see `IkSolver.solve` for the errors."""
         run = PrioritizedRun(self, robot, tasks, com)
         run.start()
-        n = tasks.n_samples
-        for k in range(1, n):
+        for k in samples_reported(tasks.n_samples, progress, first=1):
             run.step(k)
-            if progress is not None and (k + 1) % max(1, n // N_REPORTS) == 0:
-                progress(k + 1, n)
         return run.finish()
+
+
+@dataclass(frozen=True)
+class Phase:
+    """One kind of support phase: the ranks of its constraints and of the critical tasks."""
+
+    start: float  # of the first phase of this kind [s]
+    support: str
+    rows: int  # of the constraints
+    rank: int  # of the constraints
+    base_rank: int  # of their base part
+    critical_rows: int
+    critical_rank: int
+    count: int  # number of phases of this kind
+
+
+@dataclass(frozen=True)
+class PrioritizedReport:
+    """How the prioritised IK fared."""
+
+    phases: tuple[Phase, ...]
+    corrections: int  # Newton steps in all samples together
+    worst_errors: dict[str, float]  # largest error of every task, by name [m] or [rad]
+
+    def to_dict(self) -> dict[str, object]:
+        """The report as plain data."""
+        return {**asdict(self), "phases": [asdict(phase) for phase in self.phases]}
 
 
 class PrioritizedRun:
@@ -97,8 +124,8 @@ class PrioritizedRun:
     Attributes:
         q: (7 + n,) configuration after the last step.
         v: (6 + n,) velocity of the last step.
-        phases: start of the first [s] and number of phases with these rows and ranks, which are
-            of the constraints (and of their base part) and of the critical tasks.
+        error: (m,) task errors at q against the references of the last step.
+        configurations: (N, 7 + n) configurations of all samples.
     """
 
     def __init__(
@@ -107,47 +134,54 @@ class PrioritizedRun:
         self.solver, self.robot, self.dt = solver, robot, tasks.dt
         tuning = solver.tuning
         levels = [
-            parts_of(list(names), tasks)
+            parts_of(names, tasks)
             for names in (tuning.critical, tuning.functional, tuning.extraneous)
         ]
         self.critical = levels[0]
-        self.tasks = BodyTasks(robot, tuple(part for level in levels for part in level))
-        self.targets: BodyTargets = body_targets(self.tasks.parts, tasks, com)
-        self.support = tasks.support
-        projected, size = tuning.null_space == "projected", float(tasks.com_height[0])
-        swings = {Support.DOUBLE: None, Support.LEFT: Side.RIGHT, Support.RIGHT: Side.LEFT}
-        self.sets = {
-            support: ConstraintSet(self.tasks, levels, projected, size, swing)
-            for support, swing in swings.items()
-        }
-        self._start_set = ConstraintSet(self.tasks, levels, False, size)
-        self.handover = handover_profile(tasks.support, tasks.dt, tuning.handover)
-        self.phase_starts = {0, *(np.flatnonzero(np.diff(tasks.support)) + 1).tolist()}
-        self.phases: dict[tuple[Support, int, int, int, int, int], tuple[float, int]] = {}
-        m, nv = self.tasks.m, robot.model.nv
-        self.jacobian_rate = JacobianRate(robot, self.tasks.parts, self.tasks.rows)
-        is_sole = np.zeros(m, bool)
-        for side in Side:
-            is_sole[self.tasks.rows[f"{side.label}_sole"]] = True
-        kappa = tuning.feedback
-        self.kp = np.where(is_sole, kappa, kappa**2) / self.dt**2
-        self.kd = np.where(is_sole, 1.0, 1.0 - (1.0 - kappa) ** 2) / self.dt
-        # what stays behind for long must not rush when it can go on
-        self.largest = CATCH_UP * self.dt / kappa
-        self.m_critical = len(self.sets[Support.DOUBLE].critical)  # the first of all rows
-        self.corrections = 0
-        self.posture_damping = min(POSTURE_DAMPING, 0.5 / self.dt)
-        self.bound = CONFLICT_SPEED * (self.posture_damping if solver.acceleration else 1.0)
-        # what no joint can do, a lower level need not ask for
-        largest = float(robot.speed_limit.max()) / (self.dt if solver.acceleration else 1.0)
-        self.least_behind = self.bound / largest
-        self.q, self.v = robot.standing_q.copy(), np.zeros(nv)
+        self.tasks = BodyTasks(robot, [part for level in levels for part in level])
+        self.targets = body_targets(self.tasks.parts, tasks, com)
+        self.jacobian_rate = JacobianRate(robot, self.tasks)
+        self._set_constraints(levels, tasks)
+        self._set_gains()
+        self.q, self.v = robot.standing_q.copy(), np.zeros(robot.model.nv)
         if tasks.start is not None:
             self.q[FLOATING_BASE_NQ:] = tasks.start
-        self.posture = self.q[FLOATING_BASE_NQ:].copy()  # that joints left over are drawn to
-        self.error, self.rates = np.empty(m), np.empty(m)
-        self.bias, self.free = np.empty(m), np.zeros(nv)
+        self.posture = self.q[FLOATING_BASE_NQ:].copy()  # redundant joints approach it
+        self.error, self.rates, self.bias = np.zeros((3, self.tasks.m))
+        self.free = np.zeros(robot.model.nv)  # motion where no level asks for anything
         self.configurations = np.empty((tasks.n_samples, robot.model.nq))
+        self.corrections = 0
+
+    def _set_constraints(self, levels: list[tuple[Part, ...]], tasks: TaskTrajectory) -> None:
+        """The levels for every kind of support, and the samples at which the support changes."""
+        tuning, size = self.solver.tuning, float(tasks.com_height[0])
+        projected = tuning.null_space == "projected"
+        self.support = tasks.support
+        self.sets = {
+            support: ConstraintSet(self.tasks, levels, projected, size, swing)
+            for support, swing in SWING.items()
+        }
+        self._start_set = ConstraintSet(self.tasks, levels, False, size)
+        self.m_critical = len(self.sets[Support.DOUBLE].critical)  # the first of all rows
+        self.handover = handover_profile(tasks.support, tasks.dt, tuning.handover)
+        self.phase_starts = set(span_starts(tasks.support))
+        self.phases: dict[tuple[str, int, int, int, int, int], tuple[float, int]] = {}
+
+    def _set_gains(self) -> None:
+        """Feedback gains Kp and Kd of every row, and the bounds of what a level may ask for."""
+        acceleration, kappa = self.solver.acceleration, self.solver.tuning.feedback
+        is_sole = np.zeros(self.tasks.m, bool)
+        for sole in SOLES:
+            is_sole[self.tasks.rows[sole]] = True
+        self.kp = np.where(is_sole, kappa, kappa**2) / self.dt**2
+        self.kd = np.where(is_sole, 1.0, 1.0 - (1.0 - kappa) ** 2) / self.dt
+        # A task that has long been out of reach must not rush when it can be met again.
+        self.largest = CATCH_UP * self.dt / kappa
+        self.posture_damping = min(POSTURE_DAMPING, 0.5 / self.dt)
+        self.bound = CONFLICT_SPEED * (self.posture_damping if acceleration else 1.0)
+        # A lower level need not ask for what no joint can do.
+        fastest = float(self.robot.speed_limit.max()) / (self.dt if acceleration else 1.0)
+        self.least_behind = self.bound / fastest
 
     def start(self) -> None:
         """Bring q from the half-sitting posture onto the first sample, as near to it as can be.
@@ -256,26 +290,13 @@ class PrioritizedRun:
     def _check_phase(self, k: int) -> None:
         """Refuse constraints that tasks cannot be controlled with, and note their ranks."""
         support = Support(self.support[k])
-        soles = [self.tasks.rows[f"{side.label}_sole"] for side in support.sides]
+        soles = [self.tasks.rows[SOLES[side]] for side in support.sides]
         J_C = np.concatenate([self.tasks.J[rows] for rows in soles])
         J_A = self.tasks.J[self.sets[support].critical]
         rank, base_rank, critical_rank = refuse_infeasible(k * self.dt, J_C, J_A)
-        kind = (support, len(J_C), rank, base_rank, len(J_A), critical_rank)
+        kind = (support.label, len(J_C), rank, base_rank, len(J_A), critical_rank)
         start, count = self.phases.get(kind, (k * self.dt, 0))
         self.phases[kind] = (start, count + 1)
-
-    def _phase_report(self) -> list[dict[str, object]]:
-        """Each kind of phase once, with the start of the first and their number."""
-        keys = ("rows", "rank", "base_rank", "critical_rows", "critical_rank")
-        return [
-            {
-                "start": round(start, 9),
-                "support": support.label,
-                **dict(zip(keys, ranks, strict=True)),
-                "count": count,
-            }
-            for (support, *ranks), (start, count) in self.phases.items()
-        ]
 
     def finish(self) -> JointTrajectory:
         """The joint trajectory; raises IkError or JointLimitError where A or limits are missed.
@@ -283,14 +304,16 @@ class PrioritizedRun:
         Every task is measured anew at every sample.
         """
         errors = measure_tasks(self.tasks, self.targets, self.configurations)
-        misses = task_misses(self.tasks, errors)
         joints = self.configurations[:, FLOATING_BASE_NQ:].copy()
         if not self.solver.keep:
-            refuse_misses([miss for miss in misses if miss.part in self.critical], self.dt)
+            refuse_misses(judged_rows(self.tasks, self.critical), errors, self.dt)
             refuse_limits(self.robot, joints, self.dt)
-        report: dict[str, object] = {
-            "phases": self._phase_report(),
-            "corrections": self.corrections,
-            "worst_errors": {miss.name: float(miss.size.max()) for miss in misses},
-        }
+        judged = judged_rows(self.tasks, self.tasks.parts)
+        report = PrioritizedReport(
+            phases=tuple(
+                Phase(round(start, 9), *kind, count) for kind, (start, count) in self.phases.items()
+            ),
+            corrections=self.corrections,
+            worst_errors={task.name: float(task.sizes(errors).max()) for task in judged},
+        )
         return JointTrajectory(joints, report=report)

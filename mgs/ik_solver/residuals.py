@@ -1,78 +1,65 @@
-"""What a finished trajectory misses: every task measured anew, joints against their ranges."""
+"""Refusal of a finished trajectory that misses a task or leaves a limit of a joint."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from mgs.core.arrays import Array
+from mgs.core.constants import POSITION_TOLERANCE, ROTATION_TOLERANCE
 from mgs.core.errors import IkError, JointLimitError, JointSpeedError
-from mgs.ik_solver.floating.tasks import BodyTargets, BodyTasks
 from mgs.robot import Robot
-
-POSITION_TOLERANCE, COM_TOLERANCE, ROTATION_TOLERANCE = 1e-4, 2e-4, 1.7e-4  # [m], [m], [rad]
 
 
 @dataclass(frozen=True, eq=False)
-class Miss:
-    """Distance of one task from its reference at every sample."""
+class TaskRows:
+    """Rows of a task vector whose error counts as one distance or as one angle."""
 
-    part: str
-    name: str
-    size: Array  # (N,) [m] or [rad]
-    tolerance: float
-    unit: str
+    name: str  # of the task, in messages
+    rows: slice
+    tolerance: float  # largest error of a trajectory that is accepted, in the unit
+    unit: str  # m or rad
 
-
-def measure_tasks(tasks: BodyTasks, targets: BodyTargets, configurations: Array) -> Array:
-    """Target minus actual (N, m) along configurations (N, 7 + n)."""
-    errors = np.empty((len(configurations), tasks.m))
-    for k, q in enumerate(configurations):
-        tasks.update(q)
-        tasks.error(targets.x[k], targets.rotations[k], errors[k])
-    return errors
+    def sizes(self, errors: Array) -> Array:
+        """Distances or angles (N,) of the task errors (N, m) of N samples."""
+        return np.asarray(np.linalg.norm(errors[:, self.rows], axis=1))
 
 
-def task_misses(tasks: BodyTasks, errors: Array) -> list[Miss]:
-    """The misses of every part, positions and orientations apart, of errors (N, m)."""
-    misses = []
-    for part in tasks.parts:
-        rows = tasks.rows[part]
-        turns, name = slice(rows.stop - 3, rows.stop), part.replace("_", " ")
-        turned = Miss(
-            part, f"{name} orientation", _norm(errors[:, turns]), ROTATION_TOLERANCE, "rad"
+def position_rows(name: str, rows: slice, tolerance: float = POSITION_TOLERANCE) -> TaskRows:
+    """Rows that hold a position, or some of its coordinates [m]."""
+    return TaskRows(name, rows, tolerance, "m")
+
+
+def turn_rows(name: str, rows: slice) -> TaskRows:
+    """Rows that hold an orientation as a rotation vector [rad]."""
+    return TaskRows(f"{name} orientation", rows, ROTATION_TOLERANCE, "rad")
+
+
+def refuse_misses(tasks: Sequence[TaskRows], errors: Array, dt: float, start: int = 0) -> None:
+    """Raise IkError at the first sample where a task is missed, for the task missed by most.
+
+    Args:
+        tasks: the tasks that are checked.
+        errors: (N, m) target minus actual; an error that is not finite counts as a miss.
+        dt: sampling period [s].
+        start: sample of the motion that the first row belongs to.
+    """
+    sizes = np.stack([task.sizes(errors) for task in tasks], axis=1)
+    ratios = sizes / np.array([task.tolerance for task in tasks])
+    missed = np.flatnonzero(~np.all(ratios <= 1.0, axis=1))
+    if len(missed):
+        k = int(missed[0])
+        worst = int(np.argmax(np.nan_to_num(ratios[k], nan=np.inf)))
+        task = tasks[worst]
+        raise IkError(
+            (start + k) * dt, task.name, float(sizes[k, worst]), task.tolerance, task.unit
         )
-        if part == "torso":
-            misses.append(turned)
-            continue
-        moves = slice(rows.start, rows.start + 3) if part.endswith("sole") else rows
-        near = COM_TOLERANCE if part.startswith("com") else POSITION_TOLERANCE
-        misses.append(Miss(part, name, _norm(errors[:, moves]), near, "m"))
-        if part.endswith("sole"):
-            misses.append(turned)
-    return misses
-
-
-def _norm(errors: Array) -> Array:
-    return np.asarray(np.linalg.norm(errors, axis=1))
-
-
-def refuse_misses(misses: Iterable[Miss], dt: float) -> None:
-    """Raise IkError at the first sample at which any of these is beyond its tolerance."""
-    found = []
-    for miss in misses:
-        missed = np.flatnonzero(~(miss.size <= miss.tolerance))  # NaN counts as missed
-        if len(missed):
-            found.append((int(missed[0]), miss))
-    if found:
-        k, miss = min(found, key=lambda item: item[0])
-        raise IkError(k * dt, miss.name, float(miss.size[k]), miss.tolerance, miss.unit)
 
 
 def refuse_limits(robot: Robot, joints: Array, dt: float, start: int = 0) -> None:
-    """Raise JointLimitError where joints (N, n), from sample `start` on, leave their ranges."""
+    """Raise JointLimitError where angles (N, n) of the samples from `start` on leave a range."""
     outside = np.argwhere((joints < robot.lower) | (joints > robot.upper))
     if len(outside):
         k, j = outside[0]

@@ -21,23 +21,24 @@ double support they are continued as `double_support` says.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
 from mgs.com_generator import ComTrajectory
 from mgs.core.arrays import Array
+from mgs.core.progress import Progress
 from mgs.gait import IkParameters
+from mgs.gait.ik import TrajectoryParameters
 from mgs.ik_solver.banded import band_matrix, second_differences, solve_band
-from mgs.ik_solver.clik import REFERENCE_MOMENT, ClosedLoopIk, gravity_gain_profile
+from mgs.ik_solver.clik import ClosedLoopIk
+from mgs.ik_solver.gains import gravity_gain_profile, gravity_scale
 from mgs.ik_solver.joint_trajectory import JointTrajectory
 from mgs.ik_solver.limit_barrier import limit_barrier
-from mgs.ik_solver.residuals import refuse_limits
+from mgs.ik_solver.residuals import refuse_limits, refuse_misses
 from mgs.ik_solver.tree.batch import TreeBatch
 from mgs.ik_solver.tree.static_loads import StaticLoads
-from mgs.ik_solver.tree.targets import refuse_task_misses, refuse_torso
+from mgs.ik_solver.tree.targets import TREE_TASKS, refuse_torso
 from mgs.ik_solver.tree.tasks import N_TASKS
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
@@ -48,37 +49,24 @@ FAR = 0.3  # [m] and [rad], error from which they are not tried
 NEAR = 3e-3  # [m] and [rad], error below which the Jacobians are kept
 MAX_CORRECTIONS = 12
 MAX_HALVINGS = 12
-SUFFICIENT = 1e-4  # part of the fall promised by the gradient that a step has to bring
+SUFFICIENT = 1e-4  # part of the decrease predicted by the gradient that a step has to bring
 
 
 @dataclass(frozen=True, kw_only=True)
 class TrajectoryIk:
-    """Tuning of the whole-trajectory IK."""
+    """Settings of the IK that optimises the whole trajectory."""
 
-    closed_loop: ClosedLoopIk = field(default_factory=ClosedLoopIk)
-    start: Literal["free", "posture"] = "free"
-    weight_joint: float = 0.35
-    weight_grav: float = 1.6  # [1/(N m)^2], times W of `clik`
-    weight_acceleration: float = 3e-5  # [s^4/rad^2]
-    weight_limit: float = 0.003  # of the barrier that keeps joints off their limits
-    iterations: int = 20
-    tolerance: float = 1e-3  # part of the objective that an iteration has to gain
-    keep_limits: bool = True
+    closed_loop: ClosedLoopIk  # gives the first trajectory
+    tuning: TrajectoryParameters
+    keep_limits: bool  # False: record a joint outside its range instead of refusing the motion
 
     @classmethod
     def from_parameters(cls, parameters: IkParameters) -> TrajectoryIk:
-        """Solver with the tuning of a gait file."""
-        tuning = parameters.trajectory
+        """Solver with the settings of a gait file."""
         unlimited = parameters.model_copy(update={"on_limit": "record"})
         return cls(
             closed_loop=ClosedLoopIk.from_parameters(unlimited),
-            start=tuning.start,
-            weight_joint=tuning.weight_joint,
-            weight_grav=tuning.weight_grav,
-            weight_acceleration=tuning.weight_acceleration,
-            weight_limit=tuning.weight_limit,
-            iterations=tuning.iterations,
-            tolerance=tuning.tolerance,
+            tuning=parameters.trajectory,
             keep_limits=parameters.on_limit == "refuse",
         )
 
@@ -87,7 +75,7 @@ class TrajectoryIk:
         robot: Robot,
         tasks: TaskTrajectory,
         com: ComTrajectory,
-        progress: Callable[[int, int], None] | None = None,
+        progress: Progress | None = None,
     ) -> JointTrajectory:
         """Improve on the closed-loop IK; see `IkSolver.solve` for the errors."""
         refuse_torso(tasks, "trajectory")
@@ -96,15 +84,24 @@ class TrajectoryIk:
         motion, history = minimise(problem, first, progress)
         errors = np.zeros((tasks.n_samples, N_TASKS))
         errors[:, problem.batch.rows] = motion.error
-        refuse_task_misses(errors, tasks.dt)
+        refuse_misses(TREE_TASKS, errors, tasks.dt)
         if self.keep_limits:
             refuse_limits(robot, motion.q, tasks.dt)
-        report: dict[str, object] = {
-            "objective": history,
-            "iterations": len(history) - 1,
-            "projected_gradient": problem.projected_gradient(motion),
-        }
+        report = TrajectoryReport(history, len(history) - 1, problem.projected_gradient(motion))
         return JointTrajectory(motion.q, report=report)
+
+
+@dataclass(frozen=True)
+class TrajectoryReport:
+    """How the IK of the whole trajectory fared."""
+
+    objective: list[float]  # before the first iteration and after each one
+    iterations: int
+    projected_gradient: float  # largest entry of the gradient in the null spaces at the end
+
+    def to_dict(self) -> dict[str, object]:
+        """The report as plain data."""
+        return asdict(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,22 +120,23 @@ class Problem:
     """Objective, gradient and curvature of a motion."""
 
     def __init__(
-        self, tuning: TrajectoryIk, robot: Robot, tasks: TaskTrajectory, com: ComTrajectory
+        self, solver: TrajectoryIk, robot: Robot, tasks: TaskTrajectory, com: ComTrajectory
     ) -> None:
-        self.tuning, self.dt, n = tuning, tasks.dt, tasks.n_samples
+        self.tuning = tuning = solver.tuning
+        self.dt = tasks.dt
         given = tuning.start == "posture" or tasks.start is not None
         self.pinned = PINNED if given else 0
-        sharing, loads = tuning.closed_loop.double_support, None
-        in_time = np.ones(n)
+        sharing, loads = solver.closed_loop.double_support, None
+        in_time = np.ones(tasks.n_samples)
         if sharing == "off":
             in_time = gravity_gain_profile(
-                tasks.support, tasks.dt, tuning.closed_loop.gamma_grav_ramp
+                tasks.support, tasks.dt, solver.closed_loop.gamma_grav_ramp
             )
         else:
             loads = StaticLoads(robot, tasks, com, sharing)
         self.batch = TreeBatch(robot, tasks, com, loads)
-        scale = REFERENCE_MOMENT / (robot.mass * tasks.com_height[0])
-        self.weight_grav = self.dt * tuning.weight_grav * scale**2 * in_time  # (N,)
+        scale = gravity_scale(robot, tasks.com_height[0])
+        self.weight_grav = self.dt * tuning.weight_grav * scale * in_time  # (N,)
         self.lower, self.upper = robot.lower, robot.upper
         self.weight_limit = self.dt * tuning.weight_limit
         self.middle = 0.5 * (robot.upper + robot.lower)
@@ -222,7 +220,7 @@ class Problem:
 
 
 def minimise(
-    problem: Problem, q: Array, progress: Callable[[int, int], None] | None = None
+    problem: Problem, q: Array, progress: Progress | None = None
 ) -> tuple[Point, list[float]]:
     """The motion found from q (N, n), and the objective after each iteration."""
     here = problem.at(q)

@@ -63,7 +63,7 @@ def assemble(
             solver=IK_SOLVERS.origin(gait.ik.solver),
             com_generator=_com_generator(gait),
             tuning=gait.ik.model_dump(),
-            report=joints.report,
+            report={} if joints.report is None else joints.report.to_dict(),
             zmp_error=zmp_error,
         ),
         scene=plan.scene,

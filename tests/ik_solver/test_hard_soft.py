@@ -22,9 +22,9 @@ from mgs.core.contact import Side, Support
 from mgs.core.errors import ConfigError, IkError, JointLimitError
 from mgs.gait import BalanceGait, FarajiParameters, Gait, IkParameters
 from mgs.ik_solver import solve_ik
-from mgs.ik_solver.hard_soft import FarajiIk, FarajiRun
+from mgs.ik_solver.floating.tasks import measure_tasks
+from mgs.ik_solver.hard_soft import FarajiIk, FarajiReport, FarajiRun
 from mgs.ik_solver.qp import kkt_residual
-from mgs.ik_solver.residuals import measure_tasks
 from mgs.motion_planner import plan_motion
 from mgs.pipeline import first_com
 from mgs.robot import Robot, load_robot
@@ -101,7 +101,7 @@ def whole(robot: Robot, gait: Gait, **changes: Any) -> FarajiRun:
 
 
 @functools.cache
-def squatting(method: str, task: str, iterations: int) -> tuple[FarajiRun, dict[str, float]]:
+def squatting(method: str, task: str, iterations: int) -> tuple[FarajiRun, FarajiReport]:
     """Tasks B and C of the paper: more height than the legs have, without and with a tilt."""
     tuning = {"damping": 1e-2, "speed_max": SPEED, "gamma": GAMMA}
     gait = squat(
@@ -110,7 +110,7 @@ def squatting(method: str, task: str, iterations: int) -> tuple[FarajiRun, dict[
         ik={"solver": method, "iterations": iterations, "faraji": tuning},
     )
     run = whole(load_robot("coman_legs"), gait)
-    return run, run.finish().report
+    return run, run.finish().report_of(FarajiReport)
 
 
 # --- kinematics of the oracles ------------------------------------------------------------------
@@ -182,6 +182,7 @@ class Step:
             method=method,
             tuning=FarajiParameters(**{"speed_max": SPEED, "gamma": GAMMA, **tuning}),
             iterations=iterations,
+            keep=False,
         )
         run = FarajiRun(solver, self.body.robot, *self.body.tasks(self.q, self.goal, self.com, dt))
         run.q = self.q.copy()
@@ -488,7 +489,7 @@ def test_every_sample_is_within_limits_and_region(
     ) ** 2
     assert g.max() <= 1.0 + 1e-9
     assert g.max() > 0.99
-    assert report["recovering_samples"] == 0
+    assert report.recovering_samples == 0
 
 
 @pytest.mark.parametrize("iterations", [3, 15])
@@ -498,7 +499,7 @@ def test_hard_tasks_hold_while_the_legs_stretch_and_bend_again(
     legs: Robot, method: str, task: str, iterations: int
 ):
     run, report = squatting(method, task, iterations)
-    assert report["elastic_samples"] == 0
+    assert report.elastic_samples == 0
     body = Body(legs)
     soles = body.places(legs.standing_q)[1]
     tasks = inputs(legs, squat(-0.03, *(TILTING if task == "C" else ())))[0]
@@ -507,7 +508,7 @@ def test_hard_tasks_hold_while_the_legs_stretch_and_bend_again(
         torso = pin.Quaternion(tasks.torso[k]).matrix()
         worst = max(worst, np.abs(body.hard_error(q, soles, torso)).max())
     assert worst < 1e-4
-    assert_allclose(report["hard_error"], worst, atol=1e-9)
+    assert_allclose(report.hard_error, worst, atol=1e-9)
     knees = run.configurations[:, [7 + i for i, n in enumerate(legs.joint_names) if "Knee" in n]]
     assert knees.min() < np.radians(5.0)  # they do stretch
     assert knees[-1].min() > np.radians(20.0)  # and bend again
@@ -597,7 +598,7 @@ def test_with_nothing_soft_left_the_hard_tasks_are_met_alone(legs: Robot):
     tuning = {"hard": ["soles", "torso", "com"], "soft": {"hands": [1.0, 1.0, 1.0]}}
     gait = squat(-0.07, amplitude=0.03, ik={"faraji": tuning})
     run = whole(legs, gait)
-    assert run.finish().report["elastic_samples"] == 0
+    assert run.finish().report_of(FarajiReport).elastic_samples == 0
     assert np.abs(measure_tasks(run.tasks, run.targets, run.configurations)).max() < 1e-8
 
 
@@ -623,10 +624,10 @@ def test_a_hard_task_out_of_reach_is_recorded_where_that_is_asked_for(legs: Robo
     """By how much it is missed is in the report; where there are bounds they hold all the same."""
     run = whole(legs, beyond_reach(method, "record"))
     joints = run.finish()
-    assert joints.report["hard_error"] > 5e-3
+    assert joints.report_of(FarajiReport).hard_error > 5e-3
     assert np.all(np.isfinite(joints.angles))
     if run.solver.is_bounded:
-        assert joints.report["elastic_samples"] > 0
+        assert joints.report_of(FarajiReport).elastic_samples > 0
         assert np.all((joints.angles >= legs.lower) & (joints.angles <= legs.upper))
 
 

@@ -21,17 +21,28 @@ from mgs.ik_solver.floating.constraints import (
     refuse_infeasible,
 )
 from mgs.ik_solver.floating.jacobian_rate import JacobianRate
+from mgs.ik_solver.floating.parts import (
+    COM,
+    COM_XY,
+    COM_Z,
+    LEFT_HAND,
+    LEFT_SOLE,
+    RIGHT_HAND,
+    RIGHT_SOLE,
+    SOLES,
+    TORSO,
+    Part,
+)
 from mgs.ik_solver.floating.priority_levels import PriorityLevels
-from mgs.ik_solver.floating.tasks import BodyTasks
-from mgs.ik_solver.prioritized import PrioritizedIk, PrioritizedRun
-from mgs.ik_solver.residuals import measure_tasks
+from mgs.ik_solver.floating.tasks import BodyTasks, measure_tasks
+from mgs.ik_solver.prioritized import PrioritizedIk, PrioritizedReport, PrioritizedRun
 from mgs.judge.motion_checks import check_motion
 from mgs.motion_planner import plan_motion
 from mgs.pipeline import Stages, first_com, run_stages
 from mgs.robot import Robot, load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 
-PARTS = ("left_sole", "right_sole", "com_xy", "left_hand", "right_hand", "torso", "com_z")
+PARTS = (*SOLES, COM_XY, LEFT_HAND, RIGHT_HAND, TORSO, COM_Z)
 SIZES = (14, 6, 4)  # of the levels that PARTS make up
 A, B, E = slice(0, 14), slice(14, 20), slice(20, 24)
 SOLVERS = ["prioritized", "prioritized-acceleration"]
@@ -48,7 +59,7 @@ def random_q(robot: Robot, rng: np.random.Generator, spread: float = 0.15) -> np
     return pin.integrate(robot.model, robot.standing_q, spread * rng.normal(size=robot.model.nv))
 
 
-def jacobian(robot: Robot, q: np.ndarray, parts: tuple[str, ...] = PARTS) -> np.ndarray:
+def jacobian(robot: Robot, q: np.ndarray, parts: tuple[Part, ...] = PARTS) -> np.ndarray:
     tasks = BodyTasks(robot, parts)
     tasks.update(q)
     return tasks.J.copy()
@@ -79,9 +90,8 @@ def frame_positions(robot: Robot, configurations: np.ndarray, frame: int) -> np.
 
 
 def worst(joints: JointTrajectory | Stages) -> dict[str, float]:
-    report = (joints.joints if isinstance(joints, Stages) else joints).report
-    errors = report["worst_errors"]
-    assert isinstance(errors, dict)
+    found = joints.joints if isinstance(joints, Stages) else joints
+    errors = found.report_of(PrioritizedReport).worst_errors
     return errors
 
 
@@ -200,9 +210,9 @@ def test_a_first_level_that_contradicts_itself_is_refused(robots: dict[str, Robo
 # --- constraints ------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("soles", [("left_sole",), ("left_sole", "right_sole")])
+@pytest.mark.parametrize("soles", [(LEFT_SOLE,), SOLES], ids=["one", "both"])
 def test_equation_10_recovers_the_base_velocity(
-    robots: dict[str, Robot], soles: tuple[str, ...]
+    robots: dict[str, Robot], soles: tuple[Part, ...]
 ) -> None:
     robot, rng = robots["coman"], np.random.default_rng(5)
     for _ in range(10):
@@ -272,8 +282,8 @@ def test_straight_knees_are_no_singularity_of_level_a(robots: dict[str, Robot]) 
 @pytest.mark.parametrize("name", ["coman", "coman_legs", "melson"])
 def test_jdot_v_is_the_change_of_j_v(robots: dict[str, Robot], name: str) -> None:
     robot, rng = robots[name], np.random.default_rng(6)
-    tasks = BodyTasks(robot, ("com", *PARTS))
-    rate = JacobianRate(robot, tasks.parts, tasks.rows)
+    tasks = BodyTasks(robot, (COM, *PARTS))
+    rate = JacobianRate(robot, tasks)
     for _ in range(5):
         q, v = random_q(robot, rng, 0.4), rng.normal(size=robot.model.nv)
         found, h = np.empty(tasks.m), 1e-5
@@ -293,7 +303,7 @@ def test_errors_fade_as_the_poles_say(robots: dict[str, Robot], solver: str) -> 
     tasks, com = inputs(robots["melson"], gait)
     run = PrioritizedRun(PrioritizedIk.from_parameters(gait.ik), robots["melson"], tasks, com)
     run.start()
-    com_x, sole_x = run.tasks.rows["com_xy"].start, run.tasks.rows["right_sole"].start
+    com_x, sole_x = run.tasks.rows[COM_XY].start, run.tasks.rows[RIGHT_SOLE].start
     run.targets.x[:, [com_x, sole_x]] += 1e-6
     run._measure(0)
     errors = [run.error.copy()]
@@ -380,7 +390,7 @@ def test_motions_pass_every_static_check(
     gait = load_gait(gait_name, (f"ik.solver={solver}", *shorter))
     stages = run_stages(robots[gait.robot or ""], gait)
     assert [check for check in check_motion(stages.motion) if not check.ok] == []
-    json.dumps(stages.joints.report, allow_nan=False)
+    json.dumps(stages.joints.report_of(PrioritizedReport).to_dict(), allow_nan=False)
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -390,11 +400,10 @@ def test_coman_walks(robots: dict[str, Robot], name: str, solver: str) -> None:
     gait = load_gait("melson/walk_5cm", (f"ik.solver={solver}", "walk.single_support=1.0"))
     joints = solve_ik(robots[name], *inputs(robots[name], gait), gait.ik)
     assert all(error < 1e-4 for error in worst(joints).values())
-    phases = joints.report["phases"]
-    assert isinstance(phases, list)
-    seen = [(p["support"], p["rows"], p["rank"], p["base_rank"], p["count"]) for p in phases]
+    phases = joints.report_of(PrioritizedReport).phases
+    seen = [(p.support, p.rows, p.rank, p.base_rank, p.count) for p in phases]
     assert seen == [("double", 12, 12, 6, 3), ("left", 6, 6, 6, 1), ("right", 6, 6, 6, 1)]
-    assert [p["start"] for p in phases] == [0.0, 3.0, 5.2]
+    assert [p.start for p in phases] == [0.0, 3.0, 5.2]
 
 
 def test_a_hand_out_of_reach_disturbs_nothing_critical(robots: dict[str, Robot]) -> None:
@@ -406,7 +415,7 @@ def test_a_hand_out_of_reach_disturbs_nothing_critical(robots: dict[str, Robot])
         run = walk_through(robots["coman"], gait)
         errors = np.abs(measure_tasks(run.tasks, run.targets, run.configurations))
         assert errors[:, : run.m_critical].max() < 1e-4
-        hand = np.linalg.norm(errors[:, run.tasks.rows["right_hand"]], axis=1)
+        hand = np.linalg.norm(errors[:, run.tasks.rows[RIGHT_HAND]], axis=1)
         assert hand.max() > 0.05
         assert hand[-1] < 1e-3
         assert worst(run.finish())["right hand"] == pytest.approx(hand.max())
@@ -443,10 +452,10 @@ def test_a_blend_meets_what_both_sets_have_in_common(robots: dict[str, Robot]) -
     k = int(np.flatnonzero(run.support == Support.LEFT)[0]) + 4
     assert 0.0 < run.handover[k] < 1.0
     v = run._blend(k)
-    for part in ("left_sole", "com_xy"):
+    for part in (LEFT_SOLE, COM_XY):
         rows = run.tasks.rows[part]
         assert_allclose(run.tasks.J[rows] @ v, run.rates[rows], atol=1e-9)
-    swing = run.tasks.rows["right_sole"]  # level B in one of the two
+    swing = run.tasks.rows[RIGHT_SOLE]  # level B in one of the two
     assert np.abs(run.tasks.J[swing] @ v - run.rates[swing]).max() > 0.01
 
 
@@ -469,7 +478,7 @@ def test_joints_do_not_jump_at_a_switch(robots: dict[str, Robot]) -> None:
         errors = measure_tasks(run.tasks, run.targets, run.configurations)
         for side in Side:  # the sole that both sets have in common
             stands = run.support == Support.single(side)
-            assert np.abs(errors[stands][:, run.tasks.rows[f"{side.label}_sole"]]).max() < 1e-5
+            assert np.abs(errors[stands][:, run.tasks.rows[SOLES[side]]]).max() < 1e-5
     assert near[0.3] <= far[0.3]
     assert near[0.0] > 3.0 * near[0.3]
 

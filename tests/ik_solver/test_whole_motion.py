@@ -10,10 +10,18 @@ from numpy.testing import assert_allclose
 from mgs.core.contact import Side
 from mgs.core.errors import ConfigError, JointLimitError
 from mgs.gait import BalanceGait, IkParameters, WalkGait
+from mgs.gait.ik import TrajectoryParameters
 from mgs.ik_solver.banded import band_matrix, coupling, second_differences, solve_band
 from mgs.ik_solver.clik import ClosedLoopIk
 from mgs.ik_solver.limit_barrier import DELTA, limit_barrier
-from mgs.ik_solver.whole_motion import PINNED, Point, Problem, TrajectoryIk, minimise
+from mgs.ik_solver.whole_motion import (
+    PINNED,
+    Point,
+    Problem,
+    TrajectoryIk,
+    TrajectoryReport,
+    minimise,
+)
 from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, load_robot
 from tests.support.strategies import balance_gait, constant, sine, walk_gait
@@ -115,7 +123,7 @@ def test_the_cost_is_that_of_inverse_dynamics(melson: Robot, whole: Stages):
 def test_other_ways_to_treat_double_support_are_lower_too(melson: Robot, sharing: str):
     ik = {"solver": "trajectory", **GAINS, "double_support": sharing}
     joints = run_stages(melson, walk_gait(**SHORT, ik=ik)).joints
-    history = joints.report["objective"]
+    history = joints.report_of(TrajectoryReport).objective
     assert history[-1] < 0.97 * history[0]
 
 
@@ -151,7 +159,7 @@ def test_it_starts_and_ends_at_rest(melson: Robot, start: str):
 def test_on_request_it_starts_where_the_closed_loop_ik_does(melson: Robot, closed_loop: Stages):
     q = run_stages(melson, walk(start="posture")).joints
     assert np.array_equal(q.angles[:PINNED], closed_loop.joints.angles[:PINNED])
-    history = q.report["objective"]
+    history = q.report_of(TrajectoryReport).objective
     assert history[-1] < 0.97 * history[0]
 
 
@@ -196,8 +204,9 @@ def test_a_gait_that_turns_the_torso_is_refused(melson: Robot):
 
 
 def test_the_objective_falls_in_every_iteration(whole: Stages):
-    history = np.array(whole.joints.report["objective"])
-    assert len(history) == whole.joints.report["iterations"] + 1 > 3
+    report = whole.joints.report_of(TrajectoryReport)
+    history = np.array(report.objective)
+    assert len(history) == report.iterations + 1 > 3
     assert np.all(np.diff(history) < 0.0)
 
 
@@ -205,7 +214,7 @@ def test_at_the_end_the_gradient_has_no_part_in_the_null_spaces(melson: Robot, w
     """Null spaces by singular values; against the part outside, and the one at the start."""
     tuning = TrajectoryIk.from_parameters(walk(tolerance=1e-10, iterations=80).ik)
     problem = Problem(tuning, melson, whole.tasks, whole.com)
-    start = problem.at(ClosedLoopIk(**GAINS).solve(melson, whole.tasks, whole.com).angles)
+    start = problem.at(tuning.closed_loop.solve(melson, whole.tasks, whole.com).angles)
     end, _ = minimise(problem, start.q)
     inside, outside = [], []
     for point in (start, end):
@@ -308,31 +317,20 @@ def test_the_solution_is_the_same_bit_for_bit_twice(melson: Robot, whole: Stages
     assert again.report == whole.joints.report
 
 
-def test_the_tuning_of_a_gait_file_reaches_the_solver():
+def test_the_settings_of_a_gait_file_reach_the_solver():
     ik = IkParameters.model_validate(
         {
             "solver": "trajectory", "gamma_grav": 2.0, "on_limit": "record",
-            "trajectory": {
-                "start": "posture", "weight_joint": 1.0, "weight_grav": 2.0,
-                "weight_acceleration": 3.0,
-                "weight_limit": 4.0, "iterations": 5, "tolerance": 0.5,
-            },
+            "trajectory": {"start": "posture", "weight_joint": 1.0, "iterations": 5},
         }
     )  # fmt: skip
-    assert TrajectoryIk.from_parameters(ik) == TrajectoryIk(
-        closed_loop=ClosedLoopIk(gamma_grav=2.0, keep_limits=False),
-        start="posture",
-        weight_joint=1.0,
-        weight_grav=2.0,
-        weight_acceleration=3.0,
-        weight_limit=4.0,
-        iterations=5,
-        tolerance=0.5,
-        keep_limits=False,
-    )
-    assert TrajectoryIk.from_parameters(IkParameters()) == TrajectoryIk(
-        closed_loop=ClosedLoopIk(keep_limits=False)
-    )
+    found = TrajectoryIk.from_parameters(ik)
+    assert found.tuning == TrajectoryParameters(start="posture", weight_joint=1.0, iterations=5)
+    assert found.closed_loop == ClosedLoopIk.from_parameters(ik)
+    assert not found.keep_limits
+    refusing = TrajectoryIk.from_parameters(IkParameters(on_limit="refuse"))
+    assert refusing.keep_limits
+    assert not refusing.closed_loop.keep_limits  # the first trajectory may leave limits
 
 
 def test_no_iterations_leave_the_closed_loop_ik_on_its_tasks(melson: Robot, closed_loop: Stages):

@@ -3,7 +3,15 @@
 from __future__ import annotations
 
 from mgs.experiments.claim import Claim
-from mgs.experiments.faraji.runs import BOUNDED, FEW, STRETCHED, Study, hard_error, region_excess
+from mgs.experiments.faraji.runs import (
+    BOUNDED,
+    FEW,
+    STRETCHED,
+    Study,
+    hard_error,
+    region_excess,
+    report_of,
+)
 from mgs.experiments.faraji.thresholds import HARD, REGION
 
 
@@ -11,7 +19,7 @@ def region_claim(study: Study) -> Claim:
     """Claim on joint limits and safety region, for all samples of all runs of ik3 to ik5."""
     found = {k: region_excess(study, run) for k, run in study.runs.items() if k.method in BOUNDED}
     worst = max(found.values())
-    recovering = sum(int(str(study[k].stages.joints.report["recovering_samples"])) for k in found)
+    recovering = sum(report_of(study[k]).recovering_samples for k in found)
     return Claim(
         "region",
         "ik3 to ik5 keep joint limits and safety region at all samples of all runs, with a "
@@ -28,9 +36,7 @@ def hard_claim(study: Study) -> Claim:
     runs = {k: run for k, run in study.runs.items() if k.method == "ik4"}
     worst = max(runs, key=lambda k: hard_error(runs[k]))
     elastic = {
-        f"{k.gait} {k.label} {k.variant}".strip(): int(
-            str(run.stages.joints.report["elastic_samples"])
-        )
+        f"{k.gait} {k.label} {k.variant}".strip(): report_of(run).elastic_samples
         for k, run in runs.items()
     }
     named = ", ".join(f"{name}: {count}" for name, count in elastic.items() if count)

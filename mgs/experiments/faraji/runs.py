@@ -12,6 +12,7 @@ from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.core.progress import Progress
 from mgs.gait import BalanceGait, load_gait
 from mgs.ik_solver.floating.safety_region import SafetyRegion
+from mgs.ik_solver.hard_soft import FarajiReport
 from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, load_robot
 
@@ -229,7 +230,12 @@ def limit_excess_deg(run: Run, robot: Robot, joints: list[int]) -> float:
 
 def hard_error(run: Run) -> float:
     """Largest error of a hard row [m] or [rad], as reported by the solver."""
-    return float(str(run.stages.joints.report["hard_error"]))
+    return report_of(run).hard_error
+
+
+def report_of(run: Run) -> FarajiReport:
+    """The report of the solver."""
+    return run.stages.joints.report_of(FarajiReport)
 
 
 def escape_delay(study: Study, run: Run, bent_deg: float = BENT_DEG) -> float:

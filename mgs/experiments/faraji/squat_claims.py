@@ -19,6 +19,7 @@ from mgs.experiments.faraji.runs import (
     hard_error,
     limit_excess_deg,
     rejoining_acceleration,
+    report_of,
 )
 from mgs.experiments.faraji.thresholds import BROKEN_DEG, HARD, REGION
 
@@ -125,7 +126,7 @@ def tilting_claims(study: Study) -> list[Claim]:
     hard = {n: hard_error(runs["ik4", n]) for n in (MANY, FEW)}
     errors = {key: mean_error(run) for key, run in runs.items()}
     ratios = {n: errors["ik4", n] / errors["ik3", MANY] for n in (MANY, FEW)}
-    elastic = runs["ik3", MANY].stages.joints.report["elastic_samples"]
+    elastic = report_of(runs["ik3", MANY]).elastic_samples
     return [
         Claim(
             "C_limits",

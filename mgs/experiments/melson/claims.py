@@ -20,6 +20,7 @@ from mgs.experiments.melson.runs import (
     torque_of,
     tracking_errors,
 )
+from mgs.ik_solver.clik import ClosedLoopReport
 
 COST_REDUCTION = 0.10  # least relative reduction of H_grav
 DRIFT_ALLOWED_DEG, DRIFT_RATIO = 0.1, 10.0  # largest drift with gamma_joint 1; least ratio without
@@ -58,7 +59,7 @@ def task_claims(study: Study) -> list[Claim]:
     errors = {name: tracking_errors(stages) for name, stages in runs.items()}
     worst = max(position for position, _ in errors.values())
     turn = np.degrees(max(rotation for _, rotation in errors.values()))
-    updates = sum(int(str(s.joints.report["newton_updates"])) for s in runs.values())
+    updates = sum(s.joints.report_of(ClosedLoopReport).newton_updates for s in runs.values())
     return [
         Claim(
             "same_task",

@@ -28,6 +28,7 @@ from mgs.experiments.mistry.runs import (
     switch_accelerations,
 )
 from mgs.ik_solver.floating.constraints import feasibility
+from mgs.ik_solver.floating.parts import COM_XY, SOLES
 from mgs.ik_solver.floating.tasks import BodyTasks
 
 CRITICAL = 1e-4  # [m] and [rad] largest error of critical tasks
@@ -124,7 +125,7 @@ def constraint_claims(study: Study) -> list[Claim]:
         "two edges in line": feasibility(np.concatenate([*first, other[1][2:]]))[1],
         "one edge": feasibility(np.concatenate(heel))[1],
     }
-    tasks = BodyTasks(robot, ("left_sole", "right_sole", "com_xy"))
+    tasks = BodyTasks(robot, (*SOLES, COM_XY))
     tasks.update(straight_legs(robot))
     smallest = float(np.linalg.svd(tasks.J, compute_uv=False)[-1])
     gaps = [
@@ -197,7 +198,7 @@ def walk_claims(study: Study) -> list[Claim]:
     worst = {s: max(sole_error(study[Key(WALK, s)]), horizontal_com_error(study[Key(WALK, s)]))
              for s in (VELOCITY, ACCELERATION)}  # fmt: skip
     kinds = "; ".join(
-        f"{p['support']}: {p['rows']} rows of rank {p['rank']}, base {p['base_rank']}"
+        f"{p.support}: {p.rows} rows of rank {p.rank}, base {p.base_rank}"
         for p in phases_of(smooth)
     )
     return [

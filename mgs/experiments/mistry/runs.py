@@ -15,7 +15,9 @@ from mgs.core.progress import Progress
 from mgs.core.spans import span_starts
 from mgs.gait import load_gait
 from mgs.ik_solver.floating.constraints import base_velocity
+from mgs.ik_solver.floating.parts import SOLES
 from mgs.ik_solver.floating.tasks import BodyTasks
+from mgs.ik_solver.prioritized import Phase, PrioritizedReport
 from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, load_robot
 
@@ -113,7 +115,7 @@ def base_velocity_gap(robot: Robot, stages: Stages) -> float:
     Both velocities are central differences of the motion, so that the error falls with dt^2.
     """
     motion = stages.motion
-    tasks = BodyTasks(robot, ("left_sole", "right_sole"))
+    tasks = BodyTasks(robot, SOLES)
     worst = 0.0
     for q, v in zip(motion.q[1:-1:10], motion.v[1:-1:10], strict=True):
         tasks.update(q)
@@ -156,11 +158,9 @@ def straight_legs(robot: Robot) -> Array:
     return q
 
 
-def phases_of(stages: Stages) -> list[dict[str, object]]:
+def phases_of(stages: Stages) -> tuple[Phase, ...]:
     """Reported constraints of a run, once for each kind of phase."""
-    phases = stages.joints.report["phases"]
-    assert isinstance(phases, list)
-    return phases
+    return stages.joints.report_of(PrioritizedReport).phases
 
 
 def swing_switches(stages: Stages) -> int:

@@ -17,6 +17,8 @@ from mgs.core.constants import FLOATING_BASE_NV
 from mgs.core.contact import Side, Support
 from mgs.core.errors import ConfigError
 from mgs.core.geometry import quintic
+from mgs.core.spans import spans
+from mgs.ik_solver.floating.parts import SOLES, Part
 from mgs.ik_solver.floating.priority_levels import PriorityLevels
 from mgs.ik_solver.floating.tasks import BodyTasks
 
@@ -86,8 +88,7 @@ def handover_profile(support: NDArray[np.int8], dt: float, handover: float) -> A
     It rises after lift-off and falls before landing, over `handover` [s] or half the phase.
     """
     factor = np.zeros(len(support))
-    edges = np.flatnonzero(np.diff(support)) + 1
-    for start, end in zip([0, *edges], [*edges, len(support)], strict=True):
+    for start, end in spans(support):
         if support[start] != Support.DOUBLE:
             k = np.arange(start, end)
             samples = min(handover / dt, 0.5 * (end - start))
@@ -102,15 +103,15 @@ class ConstraintSet:
     def __init__(
         self,
         tasks: BodyTasks,
-        levels: Sequence[Sequence[str]],
+        levels: Sequence[Sequence[Part]],
         projected: bool,
         size: float,
         swing: Side | None = None,
     ) -> None:
         critical, functional, extraneous = (list(level) for level in levels)
         if swing is not None:
-            critical.remove(f"{swing.label}_sole")
-            functional.insert(0, f"{swing.label}_sole")
+            critical.remove(SOLES[swing])
+            functional.insert(0, SOLES[swing])
         every = np.arange(tasks.m)
         chosen = [
             np.concatenate([every[:0], *(every[tasks.rows[part]] for part in level)])

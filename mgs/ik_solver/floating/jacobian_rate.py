@@ -1,4 +1,7 @@
-"""Jdot v: the acceleration of tasks while no generalised velocity changes."""
+"""The product of the rate of the task Jacobian and the velocity, dJ/dt v.
+
+It is the acceleration of the tasks while no generalised velocity changes.
+"""
 
 from __future__ import annotations
 
@@ -6,41 +9,32 @@ import numpy as np
 import pinocchio as pin
 
 from mgs.core.arrays import Array
-from mgs.core.contact import Side
-from mgs.ik_solver.floating.tasks import COM_AXES, WORLD_ALIGNED
+from mgs.ik_solver.floating.tasks import WORLD_ALIGNED, BodyTasks
 from mgs.robot import Robot
-
-SOLE_AXES, HAND_AXES, TURN_AXES = slice(0, 6), slice(0, 3), slice(3, 6)
 
 
 class JacobianRate:
-    """Jdot v of the rows of `BodyTasks` with the same parts; world frame [m/s^2] and [rad/s^2].
+    """dJ/dt v of the rows of some tasks, in the world frame [m/s^2] and [rad/s^2].
 
     Points accelerate by their classical acceleration, d2x/dt2, not by the spatial one.
     """
 
-    def __init__(self, robot: Robot, parts: tuple[str, ...], rows: dict[str, slice]) -> None:
+    def __init__(self, robot: Robot, tasks: BodyTasks) -> None:
         self.model, self.data = robot.model, robot.model.createData()
         self.zero = np.zeros(robot.model.nv)
-        self._coms = [(rows[part], COM_AXES[part]) for part in parts if part in COM_AXES]
-        self._frames = []
-        for part in parts:
-            if part == "torso":
-                self._frames.append((rows[part], robot.torso_frame, TURN_AXES))
-            elif part not in COM_AXES:
-                label, kind = part.split("_")
-                side = Side[label.upper()]
-                frame = (robot.sole_frames if kind == "sole" else robot.hand_frames)[side]
-                axes = SOLE_AXES if kind == "sole" else HAND_AXES
-                self._frames.append((rows[part], frame, axes))
+        rows = tasks.rows
+        self._coms = [(rows[part], part.axes) for part in tasks.parts if part.frame is None]
+        self._frames = [
+            (rows[part], part.frame(robot), part.twist) for part in tasks.parts if part.frame
+        ]
 
     def product(self, q: Array, v: Array, out: Array) -> None:
-        """Fill out (m,) with Jdot v at q (7 + n,), v (6 + n,)."""
+        """Fill out (m,) with dJ/dt v at q (7 + n,) and v (6 + n,)."""
         model, data = self.model, self.data
         pin.centerOfMass(model, data, q, v, self.zero, False)  # also places and moves the joints
         for rows, axes in self._coms:
             out[rows] = data.acom[0][axes]
-        for rows, frame, axes in self._frames:
+        for rows, frame, twist in self._frames:
             pin.updateFramePlacement(model, data, frame)
             motion = pin.getFrameClassicalAcceleration(model, data, frame, WORLD_ALIGNED)
-            out[rows] = motion.vector[axes]
+            out[rows] = motion.vector[twist]

@@ -7,147 +7,69 @@ Rows of positions and rotations are in the world frame; orientation errors are r
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
 
-from mgs.com_generator import ComTrajectory
 from mgs.core.arrays import Array
-from mgs.core.contact import Side
-from mgs.core.geometry import rotations_from_quat_xyzw
+from mgs.ik_solver.floating.parts import Part
+from mgs.ik_solver.floating.targets import BodyTargets
+from mgs.ik_solver.residuals import TaskRows, position_rows, turn_rows
 from mgs.robot import Robot
-from mgs.trajectory_planner import TaskTrajectory
 
 WORLD_ALIGNED = pin.LOCAL_WORLD_ALIGNED
-# Parts that a task vector is made of, with their rows.
-SIZES = {
-    "left_sole": 6, "right_sole": 6, "torso": 3, "com": 3, "com_xy": 2, "com_z": 1,
-    "left_hand": 3, "right_hand": 3,
-}  # fmt: skip
-COM_AXES = {"com": slice(0, 3), "com_xy": slice(0, 2), "com_z": slice(2, 3)}
-
-
-def parts_of(names: Iterable[str], tasks: TaskTrajectory) -> tuple[str, ...]:
-    """Parts of tasks named as in a gait file; hands of which nothing is asked are left out."""
-    hands = tuple(f"{side.label}_hand" for side in Side if tasks.hands_asked[side])
-    groups = {"soles": ("left_sole", "right_sole"), "hands": hands}
-    return tuple(part for name in names for part in groups.get(name, (name,)))
-
-
-@dataclass(frozen=True, eq=False)
-class BodyTargets:
-    """References of a task vector of m rows at every sample."""
-
-    x: Array  # (N, m) positions; rows of rotations are 0
-    rotations: Array  # (N, r, 3, 3) of the parts that have one, in their order
-    steps: Array  # (N, m) x[k] - x[k-1], rotation vectors in the rows of rotations; 0 at k = 0
-
-
-def body_targets(parts: tuple[str, ...], tasks: TaskTrajectory, com: ComTrajectory) -> BodyTargets:
-    """References for `parts`, in their order."""
-    hands = tasks.hands + com.position[:, None]
-    x, steps, rotations = [], [], []
-    for part in parts:
-        zeros = np.zeros((tasks.n_samples, 3))
-        if part in COM_AXES:
-            x.append(com.position[:, COM_AXES[part]])
-        elif part.endswith("hand"):
-            x.append(hands[:, Side[part.split("_")[0].upper()]])
-        elif part == "torso":
-            rotations.append(rotations_from_quat_xyzw(tasks.torso))
-            x.append(zeros)
-        else:
-            poses = tasks.soles[:, Side[part.split("_")[0].upper()]]
-            rotations.append(rotations_from_quat_xyzw(poses[:, 3:]))
-            x.append(np.concatenate([poses[:, :3], zeros], axis=1))
-        step = np.zeros_like(x[-1])
-        step[1:] = np.diff(x[-1], axis=0)
-        if part == "torso" or part.endswith("sole"):
-            step[:, -3:] = _turns(rotations[-1])
-        steps.append(step)
-    return BodyTargets(
-        x=np.ascontiguousarray(np.concatenate(x, axis=1)),
-        rotations=np.stack(rotations, axis=1) if rotations else np.empty((len(x[0]), 0, 3, 3)),
-        steps=np.ascontiguousarray(np.concatenate(steps, axis=1)),
-    )
-
-
-def _turns(rotations: Array) -> Array:
-    """Rotation vectors (N, 3) from each rotation (N, 3, 3) to the next, 0 for the first."""
-    turns = np.zeros((len(rotations), 3))
-    for k in np.flatnonzero(np.any(rotations[1:] != rotations[:-1], axis=(1, 2))) + 1:
-        turns[k] = pin.log3(rotations[k] @ rotations[k - 1].T)
-    return turns
 
 
 class BodyTasks:
     """Values and Jacobian of a task vector made of parts, in the order given.
 
     Attributes:
+        m: number of rows.
         J: (m, 6 + n) Jacobian with respect to v.
         f: (m,) positions; rows of rotations are 0.
         rows: rows of each part.
-        com: (3,) a view of the CoM.
     """
 
-    def __init__(self, robot: Robot, parts: tuple[str, ...]) -> None:
+    def __init__(self, robot: Robot, parts: Sequence[Part]) -> None:
         self.model, self.data = robot.model, robot.model.createData()
-        self.parts = parts
-        self.rows: dict[str, slice] = {}
-        start = 0
-        for part in parts:
-            self.rows[part] = slice(start, start + SIZES[part])
-            start += SIZES[part]
-        self.m = start
-        self.J = np.zeros((start, robot.model.nv))
+        self.parts, self.rows = tuple(parts), rows_of(parts)
+        self.m = sum(part.size for part in parts)
+        self.J, self.f = np.zeros((self.m, robot.model.nv)), np.zeros(self.m)
         self._at_rest = np.zeros(robot.model.nv)
-        self.f = np.zeros(start)
-        self.com: Array = self.data.com[0]
-        frames = {
-            "left_sole": robot.sole_frames[Side.LEFT],
-            "right_sole": robot.sole_frames[Side.RIGHT],
-            "torso": robot.torso_frame,
-            "left_hand": robot.hand_frames[Side.LEFT],
-            "right_hand": robot.hand_frames[Side.RIGHT],
-        }
-        # What `update` copies where, as views made once: frame, Jacobian rows, position, rotation.
-        self._coms = [
-            (self.J[self.rows[p]], self.f[self.rows[p]], COM_AXES[p])
-            for p in parts
-            if p in COM_AXES
-        ]
-        self._points, self._turning = [], []
+        # What `update` copies, as views made once; positions and rotations follow every update.
+        self._frames: list[tuple[int, slice, Array]] = []  # frame, components, rows of J
+        self._coms: list[tuple[slice, Array]] = []  # axes, rows of J
+        self._points: list[tuple[Array, Array]] = []  # position, rows of f
+        self._turns: list[tuple[slice, Array]] = []  # rows, transposed rotation
         for part in parts:
-            if part in COM_AXES:
-                continue
-            first, used = self.rows[part], frames[part]
-            if part == "torso":
-                self._turning.append((used, self.J[first]))
-            elif part.endswith("hand"):
-                self._points.append((used, self.J[first], self.f[first], slice(0, 3)))
-            else:
-                position = self.f[first][:3]
-                self._points.append((used, self.J[first], position, slice(0, 6)))
-        turning = [p for p in parts if p == "torso" or p.endswith("sole")]
-        self._turns = [slice(self.rows[p].stop - 3, self.rows[p].stop) for p in turning]
-        # views that follow every update
-        self._rotations_T = [self.data.oMf[frames[p]].rotation.T for p in turning]
+            self._add(part, None if part.frame is None else part.frame(robot))
+
+    def _add(self, part: Part, frame: int | None) -> None:
+        rows = self.rows[part]
+        if frame is None:
+            position = self.data.com[0]
+            self._coms.append((part.axes, self.J[rows]))
+        else:
+            position = self.data.oMf[frame].translation
+            self._frames.append((frame, part.twist, self.J[rows]))
+            if part.turns:
+                turned = slice(rows.start + part.n_axes, rows.stop)
+                self._turns.append((turned, self.data.oMf[frame].rotation.T))
+        if part.n_axes:
+            self._points.append((position[part.axes], self.f[rows][: part.n_axes]))
 
     def update(self, q: Array) -> None:
         """Refill J and f at q (7 + n,)."""
         model, data = self.model, self.data
         J_com = pin.jacobianCenterOfMass(model, data, q, False)  # also places joints, fills data.J
-        for J, f, axes in self._coms:
+        for axes, J in self._coms:
             J[:] = J_com[axes]
-            f[:] = self.com[axes]
-        for frame, J, f, axes in self._points:
-            f[:] = pin.updateFramePlacement(model, data, frame).translation
-            J[:] = pin.getFrameJacobian(model, data, frame, WORLD_ALIGNED)[axes]
-        for frame, J in self._turning:
+        for frame, twist, J in self._frames:
             pin.updateFramePlacement(model, data, frame)
-            J[:] = pin.getFrameJacobian(model, data, frame, WORLD_ALIGNED)[3:]
+            J[:] = pin.getFrameJacobian(model, data, frame, WORLD_ALIGNED)[twist]
+        for position, f in self._points:
+            f[:] = position
 
     def com_velocity_derivative(self, q: Array, v: Array) -> Array:
         """Derivative (3, 6 + n) of J_com(q) v by q, at constant v (6 + n,)."""
@@ -157,7 +79,38 @@ class BodyTasks:
         return pin.getCenterOfMassVelocityDerivatives(model, data)
 
     def error(self, x: Array, rotations: Array, out: Array) -> None:
-        """Target minus actual (m,) for one row of `BodyTargets.x` and `.rotations`."""
+        """Fill out (m,), target minus actual, for one row of `BodyTargets.x` and `.rotations`."""
         np.subtract(x, self.f, out=out)
-        for i, rows in enumerate(self._turns):
-            out[rows] = pin.log3(rotations[i].dot(self._rotations_T[i]))
+        for (rows, R_T), R_ref in zip(self._turns, rotations, strict=True):
+            out[rows] = pin.log3(R_ref.dot(R_T))
+
+
+def rows_of(parts: Sequence[Part]) -> dict[Part, slice]:
+    """Rows of each part of a task vector."""
+    rows, start = {}, 0
+    for part in parts:
+        rows[part] = slice(start, start + part.size)
+        start += part.size
+    return rows
+
+
+def measure_tasks(tasks: BodyTasks, targets: BodyTargets, configurations: Array) -> Array:
+    """Target minus actual (N, m) along configurations (N, 7 + n)."""
+    errors = np.empty((len(configurations), tasks.m))
+    for k, q in enumerate(configurations):
+        tasks.update(q)
+        tasks.error(targets.x[k], targets.rotations[k], errors[k])
+    return errors
+
+
+def judged_rows(tasks: BodyTasks, parts: Sequence[Part]) -> list[TaskRows]:
+    """Positions and orientations of some parts, each with its tolerance."""
+    judged = []
+    for part in parts:
+        rows = tasks.rows[part]
+        middle = rows.start + part.n_axes
+        if part.n_axes:
+            judged.append(position_rows(part.name, slice(rows.start, middle), part.tolerance))
+        if part.turns:
+            judged.append(turn_rows(part.name, slice(middle, rows.stop)))
+    return judged

@@ -13,9 +13,11 @@ import pinocchio as pin
 from mgs.com_generator import ComTrajectory
 from mgs.core.arrays import Array
 from mgs.core.contact import Side
+from mgs.core.spans import spans
+from mgs.ik_solver.rotations import rotation_vectors
 from mgs.ik_solver.tree.static_loads import StaticLoads, contact_derivative, loaded_gravity
-from mgs.ik_solver.tree.targets import root_spans, tree_targets
-from mgs.ik_solver.tree.tasks import N_TASKS, TURN, TreeTasks
+from mgs.ik_solver.tree.targets import tree_targets
+from mgs.ik_solver.tree.tasks import N_POSITIONS, N_TASKS, TURN, TreeTasks
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
 
@@ -33,8 +35,8 @@ class TreeBatch:
         self.tasks, self.loads = tasks, loads
         self.n, self.n_samples = robot.n, tasks.n_samples
         asked = tasks.hands_asked
-        self.trees = (TreeTasks(robot, Side.LEFT, asked), TreeTasks(robot, Side.RIGHT, asked))
-        self.spans = list(root_spans(tasks))
+        self.trees = tuple(TreeTasks(robot, side, asked) for side in Side)
+        self.spans = spans(tasks.root)
         targets = [tree_targets(tasks, com.position, *span) for span in self.spans]
         self.positions = np.nan_to_num(np.concatenate([x for x, _ in targets]))
         self.rotations = np.concatenate([R for _, R in targets])
@@ -50,7 +52,7 @@ class TreeBatch:
 
     def errors_at(self, q: Array) -> Array:
         """Target minus actual (N, m) at q (N, n)."""
-        f, R = np.empty((self.n_samples, 12)), np.empty((self.n_samples, 3, 3))
+        f, R = np.empty((self.n_samples, N_POSITIONS)), np.empty((self.n_samples, 3, 3))
         for start, end in self.spans:
             tree = self._stand(start)
             q_tree = q[start:end, tree.order]
@@ -60,7 +62,7 @@ class TreeBatch:
 
     def tasks_at(self, q: Array) -> tuple[Array, Array]:
         """Target minus actual (N, m) and task Jacobians (N, m, n) at q (N, n)."""
-        f, R = np.empty((self.n_samples, 12)), np.empty((self.n_samples, 3, 3))
+        f, R = np.empty((self.n_samples, N_POSITIONS)), np.empty((self.n_samples, 3, 3))
         J = np.empty((self.n_samples, N_TASKS, self.n))
         for start, end in self.spans:
             tree = self._stand(start)
@@ -73,8 +75,8 @@ class TreeBatch:
 
     def _errors(self, f: Array, R: Array) -> Array:
         error = np.empty((self.n_samples, N_TASKS))
-        np.subtract(self.positions, f, out=error[:, :12])
-        error[:, TURN] = _logs(self.rotations @ R.transpose(0, 2, 1))
+        np.subtract(self.positions, f, out=error[:, :N_POSITIONS])
+        error[:, TURN] = rotation_vectors(self.rotations @ R.transpose(0, 2, 1))
         return error[:, self.rows]
 
     def torques_at(self, q: Array) -> tuple[Array, Array]:
@@ -106,13 +108,3 @@ class TreeBatch:
             J, loads.cross[start + loaded]
         )
         return tau, dtau
-
-
-def _logs(R: Array) -> Array:
-    """Rotation vectors (N, 3) of rotations (N, 3, 3) by less than half a turn."""
-    w = 0.5 * np.stack(
-        [R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1
-    )
-    sine = np.linalg.norm(w, axis=1)
-    angle = np.arctan2(sine, 0.5 * (np.trace(R, axis1=1, axis2=2) - 1.0))
-    return np.asarray(w * np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 1.0)[:, None])

@@ -1,34 +1,44 @@
-"""References of the fifteen tree tasks over time, and the refusal of what misses them."""
+"""References of the fifteen tree tasks over time, and how far a motion may miss them."""
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
 
 from mgs.core.arrays import Array
+from mgs.core.constants import COM_TOLERANCE
 from mgs.core.contact import Side
-from mgs.core.errors import ConfigError, IkError
+from mgs.core.errors import ConfigError
 from mgs.core.geometry import quat_xyzw_from_yaw, rotations_from_quat_xyzw, yaw_from_quat_xyzw
-from mgs.ik_solver.tree.tasks import COM, LEFT_HAND, RIGHT_HAND, SWING, TURN
+from mgs.ik_solver.residuals import position_rows, turn_rows
+from mgs.ik_solver.rotations import turns_between
+from mgs.ik_solver.tree.tasks import (
+    COM,
+    LEFT_HAND,
+    N_POSITIONS,
+    N_TASKS,
+    RIGHT_HAND,
+    SWING,
+    TURN,
+)
 from mgs.robot import Robot
 from mgs.robot.legs import missing_turn
 from mgs.trajectory_planner import TaskTrajectory
 
-# A motion file is refused beyond these.
-TOLERANCES = (
-    ("swing sole", SWING, 1e-4, "m"),
-    ("right hand", RIGHT_HAND, 1e-4, "m"),
-    ("left hand", LEFT_HAND, 1e-4, "m"),
-    ("CoM", COM, 2e-4, "m"),
-    ("swing sole orientation", TURN, 1.7e-4, "rad"),  # 0.01 deg
+TorsoMode = Literal["free", "upright", "hold"]
+# A motion that misses one of these tasks is refused.
+TREE_TASKS = (
+    position_rows("swing sole", SWING),
+    position_rows("right hand", RIGHT_HAND),
+    position_rows("left hand", LEFT_HAND),
+    position_rows("CoM", COM, COM_TOLERANCE),
+    turn_rows("swing sole", TURN),
 )
 
 
 def refuse_torso(tasks: TaskTrajectory, solver: str) -> None:
-    """Raise ConfigError where the gait asks something of the torso, which the tree tasks lack."""
+    """Raise ConfigError where the gait prescribes the torso, which the tree tasks leave free."""
     if tasks.torso_asked:
         raise ConfigError(
             "ik.solver",
@@ -37,9 +47,7 @@ def refuse_torso(tasks: TaskTrajectory, solver: str) -> None:
         )
 
 
-def torso_targets(
-    robot: Robot, tasks: TaskTrajectory, mode: Literal["free", "upright", "hold"]
-) -> Array | None:
+def torso_targets(robot: Robot, tasks: TaskTrajectory, mode: TorsoMode) -> Array | None:
     """Rotations (N, 3, 3) that the torso shall keep; None: it is free.
 
     `hold` keeps the orientation of the half-sitting posture, turned with the soles; `upright` keeps
@@ -51,12 +59,6 @@ def torso_targets(
     if mode == "hold":
         return rotations_from_quat_xyzw(tasks.torso)
     return rotations_from_quat_xyzw(quat_xyzw_from_yaw(yaw_from_quat_xyzw(tasks.torso)))
-
-
-def root_spans(tasks: TaskTrajectory) -> Iterator[tuple[int, int]]:
-    """First sample and end of each span that stands on one sole."""
-    bounds = [0, *(np.flatnonzero(np.diff(tasks.root)) + 1), tasks.n_samples]
-    return itertools.pairwise(int(bound) for bound in bounds)
 
 
 def tree_targets(tasks: TaskTrajectory, com: Array, start: int, end: int) -> tuple[Array, Array]:
@@ -71,13 +73,9 @@ def tree_targets(tasks: TaskTrajectory, com: Array, start: int, end: int) -> tup
     return positions, rotations_from_quat_xyzw(tasks.soles[span, swing, 3:])
 
 
-def refuse_task_misses(errors: Array, dt: float, start: int = 0) -> None:
-    """Raise IkError at the first sample of errors (N, 15) that misses, for its worst task."""
-    residuals = np.stack([np.linalg.norm(errors[:, t[1]], axis=1) for t in TOLERANCES], axis=1)
-    ratios = residuals / np.array([tolerance for _, _, tolerance, _ in TOLERANCES])
-    missed = np.flatnonzero(~np.all(ratios <= 1.0, axis=1))  # NaN counts as missed
-    if len(missed):
-        i = int(missed[0])
-        worst = int(np.argmax(np.nan_to_num(ratios[i], nan=np.inf)))
-        task, _, tolerance, unit = TOLERANCES[worst]
-        raise IkError((start + i) * dt, task, float(residuals[i, worst]), tolerance, unit)
+def task_steps(positions: Array, rotations: Array) -> Array:
+    """t[k] - t[k-1] (m, 15) of positions (m, 12) and rotations (m, 3, 3); zero for k = 0."""
+    steps = np.zeros((len(positions), N_TASKS))
+    steps[1:, :N_POSITIONS] = np.diff(positions, axis=0)
+    steps[:, TURN] = turns_between(rotations)
+    return steps

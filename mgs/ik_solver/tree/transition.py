@@ -12,9 +12,9 @@ from mgs.com_generator import ComTrajectory
 from mgs.core.arrays import Array
 from mgs.core.geometry import quintic
 from mgs.ik_solver.joint_trajectory import JointTrajectory
-from mgs.ik_solver.residuals import refuse_limits
+from mgs.ik_solver.residuals import refuse_limits, refuse_misses
 from mgs.ik_solver.tree.batch import TreeBatch
-from mgs.ik_solver.tree.targets import refuse_task_misses
+from mgs.ik_solver.tree.targets import TREE_TASKS
 from mgs.ik_solver.tree.tasks import N_TASKS
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
@@ -44,6 +44,6 @@ def bridge_postures(
         error, J = batch.tasks_at(q)
     errors = np.zeros((n, N_TASKS))
     errors[:, batch.rows] = error
-    refuse_task_misses(errors, tasks.dt)
+    refuse_misses(TREE_TASKS, errors, tasks.dt)
     refuse_limits(robot, q, tasks.dt)
     return JointTrajectory(q)

@@ -10,12 +10,29 @@ from numpy.testing import assert_allclose
 from mgs.com_generator import follow_com, generate_com
 from mgs.core.contact import Side
 from mgs.gait import BalanceGait, Gait, load_gait
-from mgs.ik_solver.floating.tasks import SIZES, BodyTasks, body_targets, parts_of
+from mgs.ik_solver.floating.parts import (
+    COM,
+    COM_XY,
+    COM_Z,
+    LEFT_HAND,
+    LEFT_SOLE,
+    RIGHT_HAND,
+    RIGHT_SOLE,
+    TORSO,
+    Part,
+    parts_of,
+)
+from mgs.ik_solver.floating.targets import body_targets
+from mgs.ik_solver.floating.tasks import BodyTasks
 from mgs.motion_planner import plan_motion
 from mgs.robot import Robot, load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 
-PARTS = ("com", "left_sole", "torso", "right_hand", "com_xy", "right_sole", "left_hand", "com_z")
+SIZES = {
+    COM: 3, COM_XY: 2, COM_Z: 1, TORSO: 3,
+    LEFT_SOLE: 6, RIGHT_SOLE: 6, LEFT_HAND: 3, RIGHT_HAND: 3,
+}  # fmt: skip
+PARTS = (COM, LEFT_SOLE, TORSO, RIGHT_HAND, COM_XY, RIGHT_SOLE, LEFT_HAND, COM_Z)
 
 
 @pytest.fixture(scope="module", params=["melson", "coman_legs"])
@@ -30,25 +47,26 @@ def any_configuration(robot: Robot, rng: np.random.Generator) -> np.ndarray:
     return np.concatenate([rng.uniform(-1.0, 1.0, 3), quat / np.linalg.norm(quat), joints])
 
 
-def places(robot: Robot, q: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray | None]]:
+def places(robot: Robot, q: np.ndarray) -> dict[Part, tuple[np.ndarray, np.ndarray | None]]:
     """Position and rotation of every part, straight from forward kinematics."""
     model, data = robot.model, robot.model.createData()
     pin.framesForwardKinematics(model, data, q)
     com = pin.centerOfMass(model, data, q).copy()
-    out: dict[str, tuple[np.ndarray, np.ndarray | None]] = {
-        "com": (com, None),
-        "com_xy": (com[:2], None),
-        "com_z": (com[2:], None),
-        "torso": (np.empty(0), data.oMf[robot.torso_frame].rotation.copy()),
+    out: dict[Part, tuple[np.ndarray, np.ndarray | None]] = {
+        COM: (com, None),
+        COM_XY: (com[:2], None),
+        COM_Z: (com[2:], None),
+        TORSO: (np.empty(0), data.oMf[robot.torso_frame].rotation.copy()),
     }
-    for side in Side:
-        sole, hand = data.oMf[robot.sole_frames[side]], data.oMf[robot.hand_frames[side]]
-        out[f"{side.label}_sole"] = (sole.translation.copy(), sole.rotation.copy())
-        out[f"{side.label}_hand"] = (hand.translation.copy(), None)
+    for part, side in ((LEFT_SOLE, Side.LEFT), (RIGHT_SOLE, Side.RIGHT)):
+        sole = data.oMf[robot.sole_frames[side]]
+        out[part] = (sole.translation.copy(), sole.rotation.copy())
+    for part, side in ((LEFT_HAND, Side.LEFT), (RIGHT_HAND, Side.RIGHT)):
+        out[part] = (data.oMf[robot.hand_frames[side]].translation.copy(), None)
     return out
 
 
-def displacement(robot: Robot, parts: tuple[str, ...], q0: np.ndarray, q1: np.ndarray):
+def displacement(robot: Robot, parts: tuple[Part, ...], q0: np.ndarray, q1: np.ndarray):
     """How the tasks differ (m,) from q0 to q1; turns as rotation vectors in the world."""
     before, after = places(robot, q0), places(robot, q1)
     rows = []
@@ -162,7 +180,7 @@ def test_a_step_of_J_pinv_times_the_error_comes_closer(robot: Robot):
     goal = pin.integrate(
         robot.model, q, np.random.default_rng(1).normal(scale=0.03, size=robot.model.nv)
     )
-    parts = ("left_sole", "right_sole", "torso", "com")
+    parts = (LEFT_SOLE, RIGHT_SOLE, TORSO, COM)
     tasks = BodyTasks(robot, parts)
     tasks.update(goal)
     x = tasks.f.copy()
@@ -182,7 +200,7 @@ def test_a_step_of_J_pinv_times_the_error_comes_closer(robot: Robot):
 # --- targets ----------------------------------------------------------------------------------
 
 
-def assert_steps_lead_along(parts: tuple[str, ...], tasks: TaskTrajectory) -> None:
+def assert_steps_lead_along(parts: tuple[Part, ...], tasks: TaskTrajectory) -> None:
     walk = load_gait("melson/walk_5cm")
     com = (
         generate_com(load_robot("melson"), tasks, walk.com)
@@ -196,7 +214,7 @@ def assert_steps_lead_along(parts: tuple[str, ...], tasks: TaskTrajectory) -> No
         rows = slice(start, start + SIZES[part])
         start = rows.stop
         steps, x = targets.steps[:, rows], targets.x[:, rows]
-        if part == "torso" or part.endswith("sole"):
+        if part in (TORSO, LEFT_SOLE, RIGHT_SOLE):
             R_ref = targets.rotations[:, turning]
             turning += 1
             R = R_ref[0]
@@ -215,7 +233,7 @@ def test_steps_add_up_to_the_references_of_a_turning_walk():
     gait = load_gait("melson/walk_arc", ("walk.n_steps=3",))
     tasks = plan(robot, gait)
     assert np.ptp(tasks.soles[:, :, 6]) > 1e-3  # the soles do turn
-    assert_steps_lead_along(("left_sole", "com_z", "right_sole", "torso", "com"), tasks)
+    assert_steps_lead_along((LEFT_SOLE, COM_Z, RIGHT_SOLE, TORSO, COM), tasks)
 
 
 def test_steps_add_up_to_the_references_of_a_balance_motion():
@@ -228,7 +246,7 @@ def test_steps_add_up_to_the_references_of_a_balance_motion():
             {"task": "left_hand_x", "wave": "constant", "value": 0.02},
         ),
     )
-    assert_steps_lead_along(("com", "torso", "left_sole", "right_sole", "left_hand"), tasks)
+    assert_steps_lead_along((COM, TORSO, LEFT_SOLE, RIGHT_SOLE, LEFT_HAND), tasks)
 
 
 def test_targets_are_those_of_the_stages_before():
@@ -237,7 +255,7 @@ def test_targets_are_those_of_the_stages_before():
     gait = load_gait("melson/walk_5cm")
     tasks = plan(robot, gait)
     com = generate_com(robot, tasks, gait.com)
-    targets = body_targets(("right_hand", "left_sole", "com_xy", "com_z", "torso"), tasks, com)
+    targets = body_targets((RIGHT_HAND, LEFT_SOLE, COM_XY, COM_Z, TORSO), tasks, com)
     for k in (0, 300, 600, len(targets.x) - 1):
         x = targets.x[k]
         assert_allclose(x[:3], tasks.hands[k, Side.RIGHT] + com.position[k], atol=1e-15)
@@ -256,13 +274,8 @@ def test_hands_that_nothing_is_asked_of_are_left_out():
     robot = load_robot("melson")
     tasks = plan(robot, balance({"task": "left_hand_z", "wave": "constant", "value": 0.02}))
     assert tasks.hands_asked == (True, False)
-    assert parts_of(["hands", "com"], tasks) == ("left_hand", "com")
+    assert parts_of(["hands", "com"], tasks) == (LEFT_HAND, COM)
     tasks = plan(robot, balance({"task": "com_x", "wave": "constant", "value": 0.01}))
-    assert parts_of(["soles", "torso", "hands"], tasks) == ("left_sole", "right_sole", "torso")
+    assert parts_of(["soles", "torso", "hands"], tasks) == (LEFT_SOLE, RIGHT_SOLE, TORSO)
     walking = plan(robot, load_gait("melson/walk_5cm"))
-    assert parts_of(["hands", "soles"], walking) == (
-        "left_hand",
-        "right_hand",
-        "left_sole",
-        "right_sole",
-    )
+    assert parts_of(["hands", "soles"], walking) == (LEFT_HAND, RIGHT_HAND, LEFT_SOLE, RIGHT_SOLE)
