@@ -1,11 +1,14 @@
-# make demo   a venv, a 5 cm walk, the verdict on it in every physics engine present, and plots
-# make test   style, types and the test suite (the longest physics runs left out)
-# make test-all, make bench, make gallery, make docs-figures, make clean
+# make demo   install, generate a walk, validate it in every installed physics engine and plot it
+# make test   check style and types, then run the tests without the longest simulations
+# make test-all, make lint, make bench, make gallery, make docs-figures, make clean
 
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 DEMO := outputs/demo
+# One process per processor core. Each takes over a stretch of the tests, so that neighbours share
+# what they need; whoever is done first helps the others.
+PYTEST := $(BIN)/python -m pytest -q -n auto --dist worksteal
 
 .PHONY: demo test test-all lint bench gallery docs-figures clean
 
@@ -17,10 +20,10 @@ demo: $(VENV)/.mgs
 	@echo "motion: $(DEMO)/walk_5cm.mcap   plots: $(DEMO)/plots"
 
 test: lint
-	$(BIN)/python -m pytest -q -m "not slow"
+	$(PYTEST) -m "not slow"
 
 test-all: lint
-	$(BIN)/python -m pytest -q
+	$(PYTEST)
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .
