@@ -1,10 +1,10 @@
-"""Conditions on named figures, as people write them: `speed > 0.1 and survived`.
+"""Conditions on the figures of gaits, such as `speed > 0.1 and survived`.
 
-The grammar is a small part of Python's: and, or, not, comparisons, `in`, `is None`, + - * /, abs()
-and numbers, texts and names, dotted ones too. It is compiled to one SQL expression with parameters;
-nothing is ever run as Python, and no name gets into the SQL that is not a known column.
+The grammar is a part of Python's: and, or, not, comparisons, `in`, `is None`, + - * /, abs(),
+numbers, strings and names, which may be dotted. A condition is compiled to one SQL expression with
+parameters. It is never run as Python, and only the names of known columns enter the SQL.
 
-SQL's rules hold: what compares a missing value, or divides by zero, is not true.
+The rules of SQL hold: comparisons with a missing value and divisions by zero are not true.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from collections.abc import Collection
 from mgs.core.errors import ConfigError
 
 MAX_LENGTH = 2000
-MAX_DEPTH = 25  # of parts within parts; SQLite's parser bears about 100 brackets
+MAX_DEPTH = 25  # nesting of the parts; the parser of SQLite accepts about 100 brackets
 COMPARISONS: dict[type[ast.cmpop], str] = {
     ast.Eq: "=",
     ast.NotEq: "<>",
@@ -30,21 +30,21 @@ COMPARISONS: dict[type[ast.cmpop], str] = {
     ast.NotIn: "NOT IN",
 }
 ARITHMETIC: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*"}
-ALLOWED = "use and, or, not, == != < <= > >=, in [..], is None, + - * /, abs(), numbers, 'texts'"
+ALLOWED = "use and, or, not, == != < <= > >=, in [..], is None, + - * /, abs(), numbers, 'strings'"
 
 
 def compile_condition(
     text: str, columns: Collection[str], source: str
 ) -> tuple[str, list[int | float | str]]:
-    """SQL expression of a condition, and its parameters in the order of their question marks.
+    """Compile a condition to an SQL expression and its parameters, in the order of the `?` in it.
 
     Args:
         text: the condition.
-        columns: names that it may use.
-        source: where it stands, for messages.
+        columns: names that the condition may use.
+        source: file or option that contains the condition, for messages.
 
     Raises:
-        ConfigError: it is no condition, or uses a name that is none of `columns`.
+        ConfigError: the text is not a condition, or uses a name that is not in `columns`.
     """
     if len(text) > MAX_LENGTH:
         raise ConfigError(source, f"longer than {MAX_LENGTH} characters")
@@ -54,18 +54,18 @@ def compile_condition(
         return compiler.sql(tree.body), compiler.parameters
     except (SyntaxError, ValueError) as error:
         problem = error.msg if isinstance(error, SyntaxError) else str(error)
-        raise ConfigError(source, f"{text!r} is no condition: {problem}; {ALLOWED}") from error
+        raise ConfigError(source, f"{text!r} is not a condition: {problem}; {ALLOWED}") from error
     except (RecursionError, MemoryError) as error:
         raise ConfigError(source, "nested too deeply") from error
 
 
 def quoted(name: str) -> str:
-    """A column's name as SQL takes it."""
+    """Name of a column, quoted for SQL."""
     return '"' + name.replace('"', '""') + '"'
 
 
 class _Compiler:
-    """One walk over one expression; parameters come in the order in which they are met."""
+    """Compiler of one expression, which collects the parameters in the order of their `?`."""
 
     def __init__(self, text: str, columns: Collection[str], source: str) -> None:
         self.text, self.columns, self.source = text, columns, source
@@ -73,7 +73,7 @@ class _Compiler:
         self.depth = 0
 
     def sql(self, node: ast.expr) -> str:
-        """SQL of a part."""
+        """Translate a part of the expression to SQL."""
         self.depth += 1
         if self.depth > MAX_DEPTH:
             raise RecursionError
@@ -125,14 +125,14 @@ class _Compiler:
             close = difflib.get_close_matches(name[:60], self.columns, n=1)
             hint = f"did you mean {close[0]!r}? " if close else ""
             known = ", ".join(sorted(self.columns))
-            raise ConfigError(self.source, f"no column {name[:60]!r}; {hint}there are: {known}")
+            raise ConfigError(self.source, f"no column {name[:60]!r}; {hint}known columns: {known}")
         return quoted(name)
 
     def _constant(self, value: object) -> str:
         if value is None:
             return "NULL"
         if not isinstance(value, int | float | str):
-            raise ValueError(f"{value!r} is neither number nor text")
+            raise ValueError(f"{value!r} is neither a number nor a string")
         if isinstance(value, bool):
             value = int(value)
         elif isinstance(value, int) and abs(value) >= 2**63:

@@ -1,4 +1,4 @@
-"""One run at a time in a folder: a lock that the system drops when its holder dies."""
+"""One run at a time in a folder: a lock that the operating system releases when a process ends."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ LOCK = ".lock"
 
 @contextlib.contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Hold the lock of a folder that exists.
+    """Hold the lock of an existing folder.
 
     Raises:
-        MgsError: another run holds it; names its process.
+        MgsError: another run holds the lock; the message names its process.
     """
     with (folder / LOCK).open("a+") as stream:
         try:
@@ -28,7 +28,7 @@ def locked(folder: Path) -> Iterator[None]:
             stream.seek(0)
             holder = stream.read(200).strip() or "another process"
             raise MgsError(
-                f"{folder}: {holder} is writing this library; wait for it, or end it"
+                f"{folder}: {holder} is writing this library; wait until it ends, or stop it"
             ) from error
         stream.truncate(0)
         stream.write(f"process {os.getpid()} on {socket.gethostname()}")

@@ -1,7 +1,7 @@
 """The manifest of a library: one SQLite file with a row for each gait that has been made.
 
-A row is written in one transaction after its file has its name, in write-ahead mode, so that
-whatever ends a run leaves a manifest whose every row is true or whose file shows that it is not.
+A row is written in one transaction, in write-ahead mode, after its motion file is complete. So
+however a run ends, each row is true, or the hash of its motion file shows that it is not.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from mgs.library.condition import quoted
 
 MANIFEST = "manifest.sqlite"
 GAITS_FOLDER = "gaits"
-LOST = "lost"  # verdict on a gait whose work broke down; it says nothing about the gait
+LOST = "lost"  # verdict on a gait whose computation broke down; not a property of the gait
 
 Value = int | float | str | None
 Row = Mapping[str, Value]
@@ -61,10 +61,12 @@ COLUMNS = {
 
 
 class Manifest:
-    """An open manifest; `columns` are the fixed ones and a library's own, one for each key varied.
+    """An open manifest.
 
-    Raises:
-        MgsError: from every method that writes, where the disk is full or cannot be written.
+    Every method that writes raises MgsError if the disk is full or cannot be written.
+
+    Attributes:
+        columns: names of all columns: those of every library and one for each varied key.
     """
 
     def __init__(self, connection: sqlite3.Connection) -> None:
@@ -73,11 +75,11 @@ class Manifest:
         self.columns = tuple(name for _, name, *_ in table)
 
     def identity(self) -> dict[str, str]:
-        """What the library was made from, by name."""
+        """Everything that the library was made from, by name."""
         return dict(self.connection.execute("SELECT name, value FROM identity"))
 
     def keep(self, row: Row) -> None:
-        """Write a row, in place of what there is of its number."""
+        """Write a row; it replaces an earlier row with the same number."""
         names = ", ".join(map(quoted, row))
         places = ", ".join("?" * len(row))
         self.connection.execute(
@@ -85,31 +87,40 @@ class Manifest:
         )
 
     def states(self) -> list[tuple[int, str, str | None, str | None, str | None]]:
-        """Number, verdict, reason, file and content hash of every row."""
+        """Number, verdict, reason, motion file and its hash for every row."""
         query = "SELECT number, verdict, reason, file, sha256 FROM gaits ORDER BY number"
         return self.connection.execute(query).fetchall()
 
 
 @contextlib.contextmanager
 def writing(folder: Path, identity: Mapping[str, str], keys: tuple[str, ...]) -> Iterator[Manifest]:
-    """The manifest of a folder, made if missing; `identity` and `keys` are those of a new one.
+    """Open the manifest of a folder for writing; create it if missing.
 
-    On the way out it becomes a single plain file, which can be read where nothing can be written.
+    At the end it becomes a single plain file, which can also be read on a read-only file system.
+
+    Args:
+        folder: folder of the library.
+        identity: everything that a new library is made from, by name.
+        keys: varied keys of a new library.
+
+    Raises:
+        MgsError: the manifest cannot be written.
+        InputError: the manifest is damaged.
     """
     path = folder / MANIFEST
     with _told(path), contextlib.closing(sqlite3.connect(path, isolation_level=None)) as connection:
         connection.execute("PRAGMA journal_mode=WAL")
-        connection.execute("PRAGMA synchronous=NORMAL")  # files are verified by hash, not by order
+        connection.execute("PRAGMA synchronous=NORMAL")  # hashes verify the files
         _create(connection, identity, keys)
         yield Manifest(connection)
-        with contextlib.suppress(sqlite3.OperationalError):  # someone reads it: it stays as it is
+        with contextlib.suppress(sqlite3.OperationalError):  # another process is reading it
             connection.execute("PRAGMA journal_mode=DELETE")
 
 
 def _create(
     connection: sqlite3.Connection, identity: Mapping[str, str], keys: tuple[str, ...]
 ) -> None:
-    """All or nothing, unless there is one already that has a row."""
+    """Create the tables in one transaction, unless there is a row already."""
     own = [key for key in keys if key not in COLUMNS]
     columns = [*(f"{quoted(n)} {kind}" for n, kind in COLUMNS.items()), *map(quoted, own)]
     connection.execute("BEGIN IMMEDIATE")
@@ -131,20 +142,22 @@ def _has_gaits(connection: sqlite3.Connection) -> bool:
 
 @contextlib.contextmanager
 def reading(folder: Path) -> Iterator[Manifest]:
-    """The manifest of a library, from which nothing can be written.
+    """Open the manifest of a library for reading.
 
     Raises:
-        InputError: there is none, or it is damaged.
+        InputError: the manifest is missing or damaged.
     """
     with _told(folder / MANIFEST), contextlib.closing(connect(folder)) as connection:
         yield Manifest(connection)
 
 
 def connect(folder: Path) -> sqlite3.Connection:
-    """Connection that can only read; raises InputError if there is no manifest."""
+    """Open a read-only connection; raises InputError if there is no manifest."""
     path = folder / MANIFEST
     if not path.is_file():
-        raise InputError(f"{folder}: no gait library: it has no {MANIFEST}; see mgs batch run")
+        raise InputError(
+            f"{folder}: no gait library, {MANIFEST} is missing; create one by mgs batch run"
+        )
     address = f"{path.resolve().as_uri()}?mode=ro"
     connection = sqlite3.connect(address, uri=True, isolation_level=None, check_same_thread=False)
     try:
@@ -166,7 +179,7 @@ def _told(path: Path) -> Iterator[None]:
 
 
 def holds_gaits(folder: Path) -> bool:
-    """Whether there is a manifest with a row; raises InputError if it is damaged."""
+    """Whether a folder has a manifest with rows; raises InputError if it is damaged."""
     if not (folder / MANIFEST).exists():
         return False
     with reading(folder) as manifest:
@@ -174,12 +187,12 @@ def holds_gaits(folder: Path) -> bool:
 
 
 def is_whole(folder: Path, file: str | None, sha256: str | None) -> bool:
-    """Whether a row's file has the content that it was written with; a row without one is whole."""
+    """Whether the motion file of a row is unchanged; true for a row without a motion file."""
     return file is None or (sha256 is not None and _sha256(folder / file) == sha256)
 
 
 def _sha256(path: Path) -> str | None:
-    """Content hash; None where there is no file to read."""
+    """SHA-256 hash of a file; None if it cannot be read."""
     try:
         with path.open("rb") as stream:
             digest = hashlib.sha256()

@@ -1,4 +1,4 @@
-"""The points of a sweep: for each gait of the library the values of the keys that are varied."""
+"""The points of a sweep: the values of the varied keys for each gait of a library."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Point = tuple[Any, ...]
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """All gaits that a sweep asks for, in the order of their numbers."""
+    """All gaits of a sweep, in the order of their numbers."""
 
     source: str  # the sweep file, for messages
     sweep: Sweep
@@ -38,10 +38,10 @@ class Plan:
     base_gait: Gait
     keys: tuple[str, ...]
     points: list[Point] = field(repr=False)  # a value for each of `keys`
-    n_filtered: int = 0  # points that the filters took away
+    n_filtered: int = 0  # number of points that the filters exclude
 
     def assignments(self, number: int) -> tuple[str, ...]:
-        """What makes the base gait the gait of a number, as `mgs generate --set` takes it."""
+        """Changes that turn the base gait into a gait, in the form of `mgs generate --set`."""
         return tuple(
             f"{key}={json.dumps(value)}"  # a JSON text is the YAML of the same value
             for key, value in zip(self.keys, self.points[number], strict=True)
@@ -49,7 +49,7 @@ class Plan:
 
     @property
     def robots(self) -> list[str]:
-        """Names of all robots that gaits ask for, in the order in which they come."""
+        """Names of the robots of all gaits, in the order of their first gait."""
         if "robot" in self.keys:
             index = self.keys.index("robot")
             return list(dict.fromkeys(point[index] for point in self.points))
@@ -61,8 +61,8 @@ def plan_sweep(path: Path) -> Plan:
     """Read a sweep file and make its points.
 
     Raises:
-        ConfigError: sweep, table or base gait is malformed, a key is unknown, a filter names none
-            or no robot is named; or there are no points, or more than a library may have.
+        ConfigError: sweep file, table or base gait is malformed, a key or a name in a filter is
+            unknown, no robot is named, or the sweep has no points or more than a library can hold.
     """
     sweep = load_sweep(path)
     base = find_gait(_beside(path, sweep.base))
@@ -74,20 +74,20 @@ def plan_sweep(path: Path) -> Plan:
     _check_keys(path, gait, table_keys, tuple(sweep.axes))
     n_points = _count(sweep, len(rows))
     if n_points > MAX_GAITS:
-        raise ConfigError(path, f"{n_points} gaits; {MAX_GAITS} at most")
+        raise ConfigError(path, f"asks for {n_points} gaits; at most {MAX_GAITS} are allowed")
     points = [row + point for row in rows for point in _points(sweep)]
     if "robot" in keys:
         _check_robots(path, {point[keys.index("robot")] for point in points})
     elif gait.robot is None:
-        raise ConfigError(path, f"no robot: {base} names none; add axes.robot: [NAME]")
+        raise ConfigError(path, f"{base} names no robot; add axes.robot: [NAME]")
     kept = list(_filtered(path, sweep.filters, gait, keys, points))
     if not kept:
-        raise ConfigError(path, "no gaits: the filters leave none of the points")
+        raise ConfigError(path, f"no gait is left: the filters exclude all {len(points)} points")
     return Plan(str(path), sweep, base, text, gait, keys, kept, len(points) - len(kept))
 
 
 def _beside(sweep: Path, name: str) -> str | Path:
-    """A gait file beside the sweep file comes before one of the working folder."""
+    """Gait file: one beside the sweep file is preferred to one in the working folder."""
     beside = sweep.parent / name
     return beside if beside.is_file() else name
 
@@ -99,38 +99,42 @@ def _check_keys(path: Path, gait: Gait, table_keys: tuple[str, ...], axes: tuple
         parents = {key[:i] for i, c in enumerate(key) if c == "."}
         unset = any(known.get(parent, parent) is None for parent in parents)
         if key not in known and not unset:
-            problems.append(f"axes.{key}: no such key in {gait.motion} gaits; {_near(key, known)}")
+            problems.append(
+                f"axes.{key}: gaits of the kind {gait.motion} have no such key; {_near(key, known)}"
+            )
     for key in set(table_keys) & set(axes):
-        problems.append(f"axes.{key}: the table has this key too")
+        problems.append(f"axes.{key}: this key is also a column of the table")
     for key in ("mgs", "motion"):
         if key in (*table_keys, *axes):
             problems.append(f"axes.{key}: cannot be varied")
     if len(set(table_keys)) < len(table_keys):
-        problems.append(f"table: a key comes twice: {', '.join(table_keys)}")
+        problems.append(f"table: a key occurs twice: {', '.join(table_keys)}")
     if problems:
         raise ConfigError(path, problems)
 
 
 def _check_values(path: Path, sweep: Sweep, rows: list[Point]) -> None:
-    """YAML has dates, gait files have not."""
+    """Refuse values that no gait file can hold, such as the dates of YAML."""
     lists = {f"axes.{key}": axis.values or [] for key, axis in sweep.axes.items()}
     for key, found in (lists | {"table": [x for row in rows for x in row]}).items():
         for value in found:
             try:
                 json.dumps(value)
             except (TypeError, ValueError) as error:
-                raise ConfigError(path, f"{key}: {value!s:.60} is no value of a gait") from error
+                raise ConfigError(
+                    path, f"{key}: {value!s:.60} is not a value that a gait file can hold"
+                ) from error
 
 
 def _near(key: str, known: Iterable[str]) -> str:
     close = difflib.get_close_matches(key[:60], list(known), n=1)
-    return f"did you mean {close[0]!r}?" if close else f"known are {', '.join(sorted(known))}"
+    return f"did you mean {close[0]!r}?" if close else f"known keys: {', '.join(sorted(known))}"
 
 
 def _check_robots(path: Path, robots: set[Any]) -> None:
     bad = [robot for robot in robots if not isinstance(robot, str) or not robot]
     if bad:
-        raise ConfigError(path, f"axes.robot: {bad[0]!r} is no name of a robot")
+        raise ConfigError(path, f"axes.robot: {bad[0]!r} is not the name of a robot")
 
 
 def flat(tree: dict[str, Any], prefix: str = "") -> dict[str, Any]:
@@ -148,7 +152,7 @@ def _read_table(path: Path) -> tuple[tuple[str, ...], list[Point]]:
     """Keys and rows of a CSV file; every field is read as YAML, as in a gait file."""
     lines = [row for row in csv.reader(io.StringIO(read_text(path), newline="")) if row]
     if len(lines) < 2:
-        raise ConfigError(path, "needs a first row with keys and rows with their values")
+        raise ConfigError(path, "needs a first row with keys, and rows with their values")
     keys = tuple(key.strip() for key in lines[0])
     rows = []
     for number, line in enumerate(lines[1:], start=2):
@@ -159,7 +163,7 @@ def _read_table(path: Path) -> tuple[tuple[str, ...], list[Point]]:
 
 
 def _count(sweep: Sweep, n_rows: int) -> int:
-    """Points before filters, without making them."""
+    """Number of points before the filters are applied."""
     if sweep.samples is not None:
         return sweep.samples
     return n_rows * math.prod(_length(axis) for axis in sweep.axes.values())
@@ -182,7 +186,7 @@ def _points(sweep: Sweep) -> Iterator[Point]:
 
 
 def values(axis: Axis) -> list[Any]:
-    """Values of an axis that has a number of them, plain Python ones."""
+    """All values of an axis with a finite number of values, as plain Python objects."""
     if axis.values is not None:
         return axis.values
     if axis.integers is not None:
@@ -191,24 +195,24 @@ def values(axis: Axis) -> list[Any]:
     first, last, count = axis.linspace or axis.logspace or (0.0, 0.0, 0)
     numbers: list[float] = space(first, last, int(count)).tolist()
     if all(x == round(x) for x in numbers):
-        return [round(x) for x in numbers]  # a key that is a number of things takes no 2.0
+        return [round(x) for x in numbers]  # keys that count something do not accept 2.0
     return numbers
 
 
 def _draws(sampling: str, n_axes: int, n: int, seed: int) -> NDArray[np.float64]:
-    """Points (n, n_axes) in the unit cube."""
+    """Random points (n, n_axes) in the unit cube."""
     from scipy.stats import qmc
 
     generator = np.random.default_rng(seed)
     if sampling == "latin_hypercube":
         return np.asarray(qmc.LatinHypercube(n_axes, seed=generator).random(n))
-    with warnings.catch_warnings():  # other numbers than powers of 2 are less balanced, not wrong
+    with warnings.catch_warnings():  # counts that are not powers of 2 are allowed
         warnings.simplefilter("ignore", UserWarning)
         return np.asarray(qmc.Sobol(n_axes, seed=generator).random(n))
 
 
 def _drawn(axis: Axis, u: NDArray[np.float64]) -> list[Any]:
-    """Values of an axis at places u (n,) from 0 to 1; of several values each has an equal share."""
+    """Values of an axis at positions u (n,) from 0 to 1; listed values have equal shares."""
     if axis.uniform is not None:
         low, high = axis.uniform
         return [float(x) for x in low + u * (high - low)]
@@ -244,6 +248,6 @@ def _filtered(
 
 
 def plain(value: Any) -> int | float | str | None:
-    """A value as a database takes it; lists and the like as JSON."""
+    """Convert a value for the database; lists and mappings become JSON."""
     fits = not isinstance(value, int) or abs(value) < 2**63
     return value if fits and isinstance(value, int | float | str | None) else json.dumps(value)

@@ -1,4 +1,4 @@
-"""Look into a gait library: by condition, as a table, as a summary, or by the velocity wanted."""
+"""Queries on a gait library: rows by a condition, a summary, and the gait nearest to a velocity."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from mgs.core.errors import ConfigError, InputError, MgsError
 from mgs.library.condition import compile_condition, quoted
 from mgs.library.manifest import Manifest, Value, connect, is_whole, reading
 
-HEAVY = "checks"  # the one column that is not told unless asked for
+HEAVY = "checks"  # column that is shown on request only
 TURN_RADIUS = 0.1  # [m]
 
 
@@ -31,7 +31,7 @@ class LibraryGait:
     vx: float  # [m/s] along the heading
     vy: float  # [m/s] to the left
     wz: float  # [rad/s] to the left
-    figures: dict[str, Value]  # its row
+    figures: dict[str, Value]  # all columns of its row
 
 
 class GaitLibrary:
@@ -41,15 +41,15 @@ class GaitLibrary:
     first lift-off to the last touch-down, in the frame of their mean heading.
 
     Args:
-        folder: the library; it is only read.
-        where: which gaits; those that pass by default.
-        turn_radius: distance from the robot's middle at which a turn counts as much as a motion
-            [m]: 1 rad/s off is as bad as `turn_radius` m/s.
+        folder: folder of the library, which is only read.
+        where: condition on the gaits that are considered; default: gaits that pass.
+        turn_radius: weight of the yaw rate in the distance between velocities [m]: a difference of
+            1 rad/s counts as much as one of `turn_radius` m/s.
 
     Raises:
-        InputError: there is no library.
-        ConfigError: `where` is no condition on its columns.
-        MgsError: `where` leaves no gait.
+        InputError: the folder contains no library.
+        ConfigError: `where` is not a condition on the columns, or `turn_radius` is negative.
+        MgsError: no gait fulfils `where`.
     """
 
     def __init__(
@@ -58,7 +58,9 @@ class GaitLibrary:
         from scipy.spatial import KDTree
 
         if not (math.isfinite(turn_radius) and turn_radius >= 0.0):
-            raise ConfigError("turn_radius", f"{turn_radius} is no length of 0 m or more")
+            raise ConfigError(
+                "turn_radius", f"has to be a finite length of at least 0 m, found {turn_radius}"
+            )
         self.folder, self.turn_radius = Path(folder), turn_radius
         self._connection = connect(self.folder)
         condition = f"({where}) and file is not None"
@@ -75,39 +77,39 @@ class GaitLibrary:
         return 1.0, 1.0, self.turn_radius
 
     def __len__(self) -> int:
-        """Number of gaits that may be found."""
+        """Number of gaits that are considered."""
         return len(self._numbers)
 
     def nearest(self, *, vx: float = 0.0, vy: float = 0.0, wz: float = 0.0) -> LibraryGait:
-        """The gait whose velocity is nearest to the one wanted [m/s], [m/s], [rad/s].
+        """Find the gait whose velocity is nearest to vx, vy [m/s] and wz [rad/s].
 
         Raises:
             ConfigError: a velocity is not a finite number.
         """
         wanted = np.array([vx, vy, wz], dtype=np.float64)
         if not np.isfinite(wanted).all():
-            raise ConfigError("nearest", f"vx={vx}, vy={vy}, wz={wz}: not finite")
+            raise ConfigError("nearest", f"vx={vx}, vy={vy}, wz={wz} is not finite")
         return self.gait(self._numbers[int(self._tree.query(wanted * self._scale)[1])])
 
     def gait(self, number: int) -> LibraryGait:
-        """The gait of a number; raises InputError if it has none or no file."""
+        """Gait of a number; raises InputError if the library has no motion file of it."""
         cursor = self._connection.execute("SELECT * FROM gaits WHERE number = ?", (number,))
         names = [name for name, *_ in cursor.description]
         row = cursor.fetchone()
         figures = dict(zip(names, row, strict=True)) if row else {}
         if not figures.get("file"):
-            raise InputError(f"{self.folder}: no motion file of a gait {number}")
+            raise InputError(f"{self.folder}: contains no motion file of gait {number}")
         path = self.folder / figures["file"]
         return LibraryGait(number, path, figures["vx"], figures["vy"], figures["wz"], figures)
 
     def close(self) -> None:
-        """Let go of the manifest."""
+        """Close the manifest."""
         self._connection.close()
 
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of a library."""
+    """Rows of a library with the names of their columns."""
 
     columns: tuple[str, ...]
     rows: list[tuple[Value, ...]]
@@ -121,19 +123,19 @@ def query(
     reverse: bool = False,
     limit: int | None = None,
 ) -> Table:
-    """Rows that fulfil a condition.
+    """Find the rows that fulfil a condition.
 
     Args:
-        folder: the library.
-        where: condition, as `mgs.library.condition` has it; None: all rows.
-        columns: which; None: all but the list of single checks.
-        order: column or expression by which they come; None: by number.
-        reverse: the largest first.
-        limit: at most so many.
+        folder: folder of the library.
+        where: condition in the form of `mgs.library.condition`; None: all rows.
+        columns: names of the columns; None: all columns but the list of single checks.
+        order: column or expression that the rows are sorted by; None: number of the gait.
+        reverse: sort in descending order.
+        limit: largest number of rows; None: no limit.
 
     Raises:
-        InputError: there is no library.
-        ConfigError: a condition or column is wrong.
+        InputError: the folder contains no library.
+        ConfigError: a condition is malformed or a column is unknown.
     """
     with reading(folder) as manifest:
         known = [name for name in manifest.columns if name != HEAVY]
@@ -152,7 +154,7 @@ def _select(
     for name in columns:
         if name not in manifest.columns:
             known = ", ".join(sorted(manifest.columns))
-            raise ConfigError("--columns", f"no column {name!r}; there are: {known}")
+            raise ConfigError("--columns", f"no column {name!r}; known columns: {known}")
     text = f"SELECT {', '.join(map(quoted, columns))} FROM gaits"
     parameters: list[int | float | str] = []
     if where is not None:
@@ -168,7 +170,7 @@ def _select(
 
 
 def to_csv(table: Table) -> bytes:
-    """The table as CSV, its first row the names; empty where there is no value."""
+    """Convert a table to CSV: names in the first row, empty fields for missing values."""
     stream = io.StringIO(newline="")
     writer = csv.writer(stream)
     writer.writerow(table.columns)
@@ -177,7 +179,7 @@ def to_csv(table: Table) -> bytes:
 
 
 def to_parquet(table: Table) -> bytes:
-    """The table as Parquet; raises MgsError where pyarrow is missing."""
+    """Convert a table to Parquet; raises MgsError if pyarrow is missing."""
     try:
         import pyarrow
         import pyarrow.parquet
@@ -196,7 +198,7 @@ def to_parquet(table: Table) -> bytes:
 
 
 def _of_one_kind(values: list[Any]) -> list[Any]:
-    """A Parquet column has one type: whole numbers become floats beside floats, all else text."""
+    """Convert values to one type, as Parquet requires: floats if all are numbers, else text."""
     kinds = {type(value) for value in values if value is not None}
     if kinds == {int, float}:
         return [None if value is None else float(value) for value in values]
@@ -206,10 +208,10 @@ def _of_one_kind(values: list[Any]) -> list[Any]:
 
 
 def report(folder: Path) -> dict[str, Any]:
-    """What a library holds: verdicts, reasons, ranges, and whether all files are whole.
+    """Summarize a library: verdicts, reasons, ranges of figures, and damaged files.
 
     Raises:
-        InputError: there is no library.
+        InputError: the folder contains no library.
     """
     with reading(folder) as manifest:
         identity = manifest.identity()
@@ -250,7 +252,7 @@ def _range(manifest: Manifest, name: str) -> list[float | None]:
 
 
 def _shares(manifest: Manifest, key: str) -> list[dict[str, Any]]:
-    """For each value of a key how many gaits have it and how many of these pass."""
+    """Number of gaits, and of gaits that pass, for each value of a key."""
     column = quoted(key)
     rows = manifest.connection.execute(
         f"SELECT {column}, COUNT(*), SUM(verdict = 'pass') FROM gaits GROUP BY {column}"

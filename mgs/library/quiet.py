@@ -1,4 +1,4 @@
-"""Dask without its log: workers that come and go are our business, not the terminal's."""
+"""Dask without its log messages, which would mix with the progress bar."""
 
 from __future__ import annotations
 
@@ -6,5 +6,5 @@ import dask
 
 
 def silence() -> None:
-    """Have Dask log nothing, here and in its processes; to be called before it is imported."""
+    """Switch off all log messages of Dask; call it before `distributed` is imported."""
     dask.config.set({"logging": {"distributed": "critical", "distributed.nanny": "critical"}})

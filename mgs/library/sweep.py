@@ -1,4 +1,4 @@
-"""Sweep files: a base gait, what is varied, and how."""
+"""Sweep files: a base gait, the varied keys and their values."""
 
 from __future__ import annotations
 
@@ -148,9 +148,9 @@ class Sweep(Model):
             for key, axis in self.axes.items():
                 if axis.kind in ("uniform", "log_uniform"):
                     raise ValueError(
-                        f"axes.{key}: {axis.kind} is a range to draw from, sampling: "
-                        f"{self.sampling} needs values; use linspace or logspace, or sampling: "
-                        "latin_hypercube or sobol"
+                        f"axes.{key}: {axis.kind} is a range of random values, but sampling: "
+                        f"{self.sampling} needs listed values; use linspace or logspace, or "
+                        "sampling: latin_hypercube or sobol"
                     )
         return self
 
@@ -159,6 +159,6 @@ def load_sweep(path: Path) -> Sweep:
     """Read a sweep file.
 
     Raises:
-        ConfigError: it is missing or malformed, or a value is out of range.
+        ConfigError: the file is missing or malformed, or a value is out of range.
     """
     return build(Sweep, parse_yaml(read_text(path), path), path)

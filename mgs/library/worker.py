@@ -1,7 +1,7 @@
-"""What a worker does: from what is set in a gait to the bytes of its file and its figures.
+"""The work of a worker: from the values of the varied keys to a motion file and its figures.
 
-`make_gait` is the work and knows nothing of Dask; the rest brings to every worker, once, what all
-gaits have in common, and calls it there.
+`make_gait` does the work, without Dask. `GaitWorker` brings to every worker once what all gaits
+have in common, and `work` calls `make_gait` there.
 """
 
 from __future__ import annotations
@@ -35,19 +35,19 @@ from mgs.sim import EngineName, Replay, ServoName, replay
 
 @dataclass(frozen=True)
 class Recipe:
-    """What all gaits of a library have in common, complete in itself: no file is needed."""
+    """Everything that all gaits of a library have in common, so that workers need no files."""
 
-    base: str  # file of the base gait, for messages
+    base: str  # path of the base gait, for messages
     base_text: str
-    name: str  # of the gait, in its motion files
-    robots: dict[str, tuple[str, str]]  # by name as gaits have it: robot.yaml and URDF
+    name: str  # name of the gait in its motion files
+    robots: dict[str, tuple[str, str]]  # texts of robot.yaml and URDF by the name of the robot
     engines: tuple[EngineName, ...] = ()
     servo: ServoName = "ideal"
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What has become of one gait: columns of the manifest, and its file unless there is none."""
+    """Result of one gait: columns of the manifest, and the motion file if there is one."""
 
     row: dict[str, Value] = field(default_factory=dict)
     content: bytes | None = None
@@ -56,8 +56,8 @@ class Outcome:
 def make_gait(recipe: Recipe, assignments: tuple[str, ...]) -> Outcome:
     """Plan, check and, if engines are named, replay one gait.
 
-    Whatever goes wrong is an outcome too: `infeasible` is a gait that is no gait or that the robot
-    cannot do, `lost` one whose work broke down, be it for a shortage or a mistake of ours.
+    Errors are outcomes too. The verdict is `infeasible` if the gait is malformed or the robot
+    cannot execute it, and `lost` if the computation broke down, such as for lack of memory.
     """
     started = time.perf_counter()
     try:
@@ -71,7 +71,7 @@ def make_gait(recipe: Recipe, assignments: tuple[str, ...]) -> Outcome:
 
 
 def failure(verdict: str, error: Exception) -> Outcome:
-    """The outcome of an error."""
+    """Outcome of a gait that ended in an error."""
     message = str(error)[:2000]
     return Outcome({"verdict": verdict, "reason": type(error).__name__, "message": message})
 
@@ -79,7 +79,7 @@ def failure(verdict: str, error: Exception) -> Outcome:
 def _made(recipe: Recipe, assignments: tuple[str, ...]) -> Outcome:
     gait = parse_gait(recipe.base_text, recipe.base, assignments)
     if gait.robot not in recipe.robots:
-        raise ConfigError(recipe.base, f"robot {gait.robot!r} is none of the sweep's")
+        raise ConfigError(recipe.base, f"robot {gait.robot!r} is not a robot of the sweep")
     robot = _robot(*recipe.robots[gait.robot], gait.robot)
     motion = generate(robot, gait, recipe.name).motion
     content = motion_bytes(motion)
@@ -107,18 +107,18 @@ def _made(recipe: Recipe, assignments: tuple[str, ...]) -> Outcome:
 
 
 def solver_of(gait: Gait) -> str | None:
-    """Name of the IK solver; the parts of a sequence have their own."""
+    """Name of the IK solver; None for a sequence, whose parts have their own solvers."""
     return None if isinstance(gait, SequenceGait) else gait.ik.solver
 
 
 @functools.lru_cache(maxsize=64)
 def _robot(yaml_text: str, urdf_text: str, name: str) -> Robot:
-    """Built once in each worker."""
+    """Build a robot, once in each worker."""
     return build_robot(yaml_text, urdf_text, name)
 
 
 def _replays(recipe: Recipe, motion: Motion) -> tuple[list[Replay], list[str]]:
-    """Replays, and what failed in engines whose simulation left the realm of numbers."""
+    """Replays, and the name of a failed check for each engine whose simulation diverged."""
     replays, diverged = [], []
     for engine in recipe.engines:
         try:
@@ -129,10 +129,10 @@ def _replays(recipe: Recipe, motion: Motion) -> tuple[list[Replay], list[str]]:
 
 
 def travel_figures(motion: Motion) -> dict[str, Value]:
-    """How far and how fast the plan goes, as the point midway between the soles.
+    """Distance and mean velocity of the point midway between the soles, as planned.
 
     vx, vy [m/s] and wz [rad/s] are means from the first lift-off to the last touch-down, along and
-    across the mean heading of the soles at each time; a motion without a step has none of them.
+    across the mean heading of the soles at each time; a motion without a step has zeros.
     """
     middle = motion.soles[:, :, :2].mean(axis=1)  # (N, 2)
     yaw = np.unwrap(yaw_from_quat_xyzw(motion.soles[:, :, 3:]), axis=0).mean(axis=1)  # (N,)
@@ -160,7 +160,7 @@ def travel_figures(motion: Motion) -> dict[str, Value]:
 
 
 def _check_figures(checks: list[Check]) -> dict[str, Value]:
-    """Those of checks that there are: a motion that does not stand has fewer."""
+    """Figures of the checks that were made; motions without balance have fewer checks."""
     found = {check.name: check for check in checks}
     columns = {"zmp_margin": "zmp_margin", "joint_margin": "joint_position"}
     figures: dict[str, Value] = {
@@ -177,7 +177,7 @@ def _check_figures(checks: list[Check]) -> dict[str, Value]:
 
 
 def _replay_figures(replays: list[Replay], diverged: list[str]) -> dict[str, Value]:
-    """The worst of all engines; nothing where there was no physics."""
+    """Worst figures of all engines; empty without replays."""
     figures: dict[str, Value] = {}
     if replays or diverged:
         figures["survived"] = int(not diverged and not any(r.fell for r in replays))
@@ -189,7 +189,7 @@ def _replay_figures(replays: list[Replay], diverged: list[str]) -> dict[str, Val
 
 
 def _number(value: Value) -> Value:
-    """A value that a database takes."""
+    """Convert a value for the database: a number that is not finite becomes NULL."""
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else None
     return value
@@ -200,13 +200,13 @@ def _finite(content: dict[str, Any]) -> dict[str, Any]:
 
 
 class GaitWorker(WorkerPlugin):  # type: ignore[misc]
-    """Brings the recipe to every worker of a cluster, those too that come later or come back."""
+    """Plugin that brings the recipe to every worker, also to those that join or return later."""
 
     def __init__(self, name: str, recipe: Recipe) -> None:
         self.name, self.recipe, self.version = name, recipe, mgs.__version__
 
     def setup(self, worker: Worker) -> None:
-        """Refuse a worker whose files would differ."""
+        """Refuse a worker with another version of mgs, since its files would differ."""
         if mgs.__version__ != self.version:
             raise MgsError(
                 f"worker {worker.address} has mgs {mgs.__version__}, this is {self.version}; "
@@ -214,11 +214,12 @@ class GaitWorker(WorkerPlugin):  # type: ignore[misc]
             )
 
 
-_one_at_a_time = threading.Lock()  # engines bear no threads, however many a worker has
+# Physics engines are not safe for threads, of which a worker may have several.
+_one_at_a_time = threading.Lock()
 
 
 def work(name: str, assignments: tuple[str, ...]) -> Outcome:
-    """`make_gait` on a worker that has the recipe of that name."""
+    """Make a gait on a worker that has the recipe of that name."""
     plugin = get_worker().plugins[name]
     assert isinstance(plugin, GaitWorker)
     with _one_at_a_time:

@@ -1,23 +1,47 @@
-"""Motion files: a `Motion` as an MCAP file that robot viewers, `ros2 bag play` and we can read.
+"""Motion files: a `Motion` as an MCAP file for robot viewers, `ros2 bag play` and mgs itself.
 
-Profile ros2: CDR messages, their definitions as schemas, zstd chunks that each hold all topics of a
-span of time, quality of service in every channel's metadata. Log time, publish time and stamp of
-sample k are 1 s + k dt; only the stamp in /joint_trajectory is 0, which controllers take for "now".
-A metadata record `mgs` and the attachments gait.yaml, robot.yaml and robot.urdf make a file
-complete in itself. The same motion gives the same bytes.
+Layout of a file (MCAP specification: mcap.dev/spec):
 
-With one message per sample:
-    /joint_states           position, velocity and, as effort, the predicted torque
-    /joint_commands         position that servos are told (mgs.motion.servo_commands), where
-                            robot.yaml says how stiff they are; follows from the
-                            rest, so reading ignores it
-    /tf                     world to base to every moving link
-    /base_twist             velocity of the base in its own frame
-    /com, /zmp, /sole/left, /sole/right, /hand/left, /hand/right    reached
-    ..._reference of each   asked; a hand has no orientation task, its quaternion is the identity
-    /support                double, left or right
-With a single message:
-    /robot_description, /tf_static, /footsteps (sole rectangles), /joint_trajectory (all samples)
+- Profile `ros2`: messages in CDR, schemas in the form `ros2msg`, the quality of service of each
+  topic in the metadata of its channel. Chunks are compressed by zstd; a chunk holds the messages of
+  all topics in a span of time. Data section, summary, chunks and attachments have checksums.
+- The library in the header is `mgs VERSION`.
+- Metadata record `mgs`: version of mgs, version of this format, names of gait and robot, origin and
+  parameters of the IK solver and the CoM generator, sampling period, number of samples, duration,
+  mass, footsteps and scene; numbers and lists as JSON.
+- Attachments gait.yaml, robot.yaml and robot.urdf: with them a file is complete in itself.
+- Sample k has log time, publish time and header stamp 1 s + k dt. Only the stamp of
+  /joint_trajectory is 0, which asks a controller to start at once.
+- The same motion gives the same bytes.
+
+Topics with one message per sample; frame `world` unless another is named:
+
+    /joint_states           joint angles [rad], velocities [rad/s] and, as effort, torques [N m]
+    /joint_commands         commanded joint angles [rad] (mgs.motion.servo_commands), if robot.yaml
+                            gives the stiffness of the servos; ignored when a file is read
+    /tf                     poses of the base in `world` and of each moving link in its parent
+    /base_twist             velocity of the base in its own frame [m/s], [rad/s]
+    /com, /com_reference    centre of mass [m]: as reached by the joints, and as planned
+    /zmp, /zmp_reference    ZMP [m] of the whole robot, and as planned; z = 0
+    /sole/left, /sole/right, /sole/left_reference, /sole/right_reference
+                            poses of the soles, reached and planned
+    /hand/left, /hand/right, /hand/left_reference, /hand/right_reference
+                            poses of the hands; planned hands have no orientation, theirs is the
+                            identity quaternion
+    /torso                  pose of the torso
+    /torso_reference        planned orientation of the torso
+    /support                `double`, `left` or `right`
+
+Topics with a single message, at 1 s:
+
+    /robot_description      URDF
+    /tf_static              poses of the links that are fixed to others
+    /footsteps              soles on the ground, as boxes
+    /joint_trajectory       joint angles and velocities of all samples, for ros2_control
+
+Files that another program rewrote are read too: with chunks of any size or none, compressed by zstd
+or lz4 or not at all, with messages in any order, and without summary, indexes or statistics. A
+checksum of 0 is not compared: it means that the program computed none.
 """
 
 from typing import TYPE_CHECKING

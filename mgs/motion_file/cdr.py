@@ -1,12 +1,12 @@
-"""ROS 2 messages in CDR, encoded for a whole trajectory at once.
+"""Encoding of ROS 2 messages in CDR, for a whole trajectory at once.
 
 Little-endian plain CDR (XCDR1: OMG DDS-XTypes 1.3, 7.4, in the encapsulation of DDSI-RTPS 2.3, 10):
-a message is the four bytes 00 01 00 00 and a body in which every number stands at a multiple of its
-own size; a string is its length with the closing zero, the text and that zero; a sequence is its
-length and its elements.
+a message consists of the four bytes 00 01 00 00 and a body in which every number is aligned to its
+own size. A string is its length, its text and a zero byte, which the length includes. A sequence is
+its length and its elements.
 
-Messages of one topic differ in a few numbers only. A `Layout` is such a message encoded once with
-`Slot`s where those numbers go; it then fills or reads N messages as one (N, size) array of bytes.
+The messages of a topic differ in a few numbers only. A `Layout` is a message encoded once, with
+`Slot`s for those numbers; it then fills or reads N messages as one array (N, size) of bytes.
 """
 
 from __future__ import annotations
@@ -109,13 +109,13 @@ DEFINITIONS = {
 
 
 def full_name(kind: str) -> str:
-    """Name of a message type as ROS writes it: `std_msgs/String` is `std_msgs/msg/String`."""
+    """Full name of a message type: `std_msgs/msg/String` for `std_msgs/String`."""
     package, name = kind.split("/")
     return f"{package}/msg/{name}"
 
 
 def schema_text(kind: str) -> str:
-    """Definition of a message type and of all types in it, in ROS's `ros2msg` form."""
+    """Definition of a message type and of all types in it, in the form `ros2msg`."""
     kinds = [kind]
     _collect(kind, kinds)
     texts = ["\n".join(DEFINITIONS[k]) + "\n" for k in kinds]
@@ -134,9 +134,9 @@ def _collect(kind: str, found: list[str]) -> None:
 
 @dataclass(frozen=True)
 class Slot:
-    """Place of `count` equal numbers that change from message to message.
+    """Place of `count` numbers of one type that change from message to message.
 
-    It stands for a sequence of that length or for a message of that many numbers.
+    It represents a sequence of that length or a nested message of that many numbers.
     """
 
     name: str
@@ -151,7 +151,7 @@ class Slot:
 
 @dataclass(frozen=True)
 class Counted:
-    """A sequence that announces `count` elements and holds only the first of them."""
+    """Sequence with `count` elements, of which only the first ones are given."""
 
     count: int
     items: Sequence[Any]
@@ -159,7 +159,7 @@ class Counted:
 
 @dataclass(frozen=True)
 class Layout:
-    """Bytes (size,) common to all messages of a topic, and the slots with their byte offsets."""
+    """Bytes (size,) that all messages of a topic share, and slots with their byte offsets."""
 
     template: Bytes
     slots: tuple[tuple[Slot, int], ...]
@@ -170,19 +170,19 @@ class Layout:
         return len(self.template)
 
     def fill(self, rows: Bytes, columns: Columns) -> None:
-        """Write N messages into rows (N, size); columns (N, count) by the name of their slot."""
+        """Write N messages into rows (N, size), from columns (N, count) by the name of a slot."""
         rows[:] = self.template
         for slot, offset in self.slots:
             rows[:, offset : offset + slot.size].view(slot.dtype)[:] = columns[slot.name]
 
     def encode(self, n: int, columns: Columns) -> Bytes:
-        """Messages (n, size) with these columns."""
+        """Encode n messages (n, size) from columns (n, count) by the name of a slot."""
         rows = np.empty((n, self.size), dtype=np.uint8)
         self.fill(rows, columns)
         return rows
 
     def decode(self, rows: Bytes) -> dict[str, NDArray[Any]]:
-        """Columns (N, count) of messages (N, size); overwrites `rows`.
+        """Decode messages (N, size) to columns (N, count) by the name of a slot; overwrites `rows`.
 
         Raises:
             ValueError: a byte outside the slots differs from the layout.
@@ -202,21 +202,21 @@ class Layout:
 
 
 def message_layout(kind: str, value: Mapping[str, Any]) -> Layout:
-    """Layout of a message from nested mappings; what is not given is zero or empty."""
+    """Layout of a message from nested mappings; missing fields are zero or empty."""
     encoder = _Encoder(0)
     encoder.put(kind, value)
     return encoder.layout(ENCAPSULATION)
 
 
 def element_layout(kind: str, value: Mapping[str, Any], position: int) -> Layout:
-    """Layout of an element that begins `position` bytes into the body of a message."""
+    """Layout of an element that starts at byte `position` of the body of a message."""
     encoder = _Encoder(position)
     encoder.put(kind, value)
     return encoder.layout(b"")
 
 
 class _Encoder:
-    """Body of a message under construction."""
+    """Encoder of the body of a message."""
 
     def __init__(self, position: int) -> None:
         self.position = position
@@ -228,7 +228,7 @@ class _Encoder:
         return Layout(template, tuple((slot, len(head) + at) for slot, at in self.slots))
 
     def put(self, kind: str, value: Any) -> None:
-        """Append a value; None is zero or empty."""
+        """Append a value; None means zero or empty."""
         if isinstance(value, Slot):
             self.put_slot(kind, value)
         elif kind.endswith("[]"):

@@ -1,4 +1,4 @@
-"""What every motion in a file fulfils, checked before writing and after reading."""
+"""Conditions that every motion in a file fulfils, checked before writing and after reading."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from mgs.motion_file.topics import field_shapes
 
 
 def find_problem(motion: Motion) -> str | None:
-    """What is wrong with the arrays of a motion; None if nothing."""
+    """Describe the first problem in the arrays of a motion; None if there is none."""
     n_samples = len(motion.q)
     if n_samples == 0:
         return "it has no samples"
@@ -22,5 +22,5 @@ def find_problem(motion: Motion) -> str | None:
             k = int(np.argwhere(~np.isfinite(array))[0, 0])
             return f"{name} is not finite at t = {k * motion.dt:.3f} s"
     if motion.support.shape != (n_samples,) or not np.isin(motion.support, list(Support)).all():
-        return "support is not one of double, left and right at every sample"
+        return "support is not double, left or right at every sample"
     return None

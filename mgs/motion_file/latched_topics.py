@@ -1,6 +1,6 @@
-"""The topics with a single message: robot, fixed links, footsteps and the whole trajectory.
+"""Topics with a single message: robot, fixed links, footsteps and the whole trajectory.
 
-They are for viewers and controllers; reading a motion back needs none of them.
+They serve viewers and controllers and are ignored when a motion is read.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ ONCE_TOPICS = {
     "/joint_trajectory": "trajectory_msgs/JointTrajectory",
 }
 MARKER_CUBE = 1
-MARKER_THICKNESS = 0.001  # [m]; viewers warn at 0
+MARKER_THICKNESS = 0.001  # [m]; viewers warn about 0
 MARKER_COLORS = {Side.LEFT: (0.2, 0.4, 0.9, 0.6), Side.RIGHT: (0.9, 0.4, 0.2, 0.6)}
 POINTS_AT_A_TIME = 2000
 FIRST_STAMP = dict(zip(("sec", "nanosec"), divmod(START_NS, 10**9), strict=True))
 
 
 def small_messages(motion: Motion, tree: LinkTree) -> dict[str, Layout]:
-    """The single messages of all once-only topics but the trajectory, by topic."""
+    """Messages of all topics with a single message but /joint_trajectory, by topic."""
     robot = motion.robot
     values: dict[str, dict[str, Any]] = {
         "/robot_description": {"data": robot.urdf},
@@ -57,7 +57,7 @@ def _fixed_transforms(tree: LinkTree) -> list[dict[str, Any]]:
 
 
 def _footstep_markers(robot: Robot, footsteps: tuple[Footstep, ...]) -> list[dict[str, Any]]:
-    """Sole rectangles, numbered in the order of the footsteps."""
+    """Boxes under the soles, numbered in the order of the footsteps."""
     markers = []
     for i, step in enumerate(footsteps):
         sole, position = robot.sole_spec(step.side), {"x": step.x, "y": step.y, "z": step.z}
@@ -86,15 +86,15 @@ def _xyzw(values: Array) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class TrajectoryMessage:
-    """The message of /joint_trajectory, made piece by piece: it may be larger than a chunk.
+    """Message of /joint_trajectory, made piece by piece since it may be larger than a chunk.
 
-    Its stamp is 0, which asks a controller to start at once; any other would lie in its past.
+    Its stamp is 0, which asks a controller to start at once; any other stamp would be in the past.
     """
 
     motion: Motion
     times: NDArray[np.int32]  # (N, 2) seconds and nanoseconds from the start
-    head: Layout  # up to the end of the first point
-    point: Layout  # each of the others
+    head: Layout  # layout up to the end of the first point
+    point: Layout  # layout of each further point
 
     @property
     def size(self) -> int:
@@ -102,7 +102,7 @@ class TrajectoryMessage:
         return self.head.size + (self.motion.n_samples - 1) * self.point.size
 
     def parts(self) -> Iterator[Bytes]:
-        """The message in pieces."""
+        """Encode the message in pieces."""
         yield self.head.encode(1, self._columns(slice(0, 1))).reshape(-1)
         for k in range(1, self.motion.n_samples, POINTS_AT_A_TIME):
             columns = self._columns(slice(k, k + POINTS_AT_A_TIME))
@@ -117,7 +117,7 @@ class TrajectoryMessage:
 
 
 def trajectory_message(motion: Motion) -> TrajectoryMessage:
-    """The whole motion as one JointTrajectory."""
+    """Message that holds the whole motion as a JointTrajectory."""
     n = motion.robot.n
     point = {
         "positions": Slot("positions", n),

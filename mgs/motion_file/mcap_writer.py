@@ -1,10 +1,10 @@
-"""Writing MCAP files in which all messages of a topic and a time span are one array.
+"""Writing MCAP files in which all messages of a topic and a span of time are one array.
 
-Format: MCAP specification (mcap.dev/spec). The library's `Writer.add_message` and its reader cost
-some microseconds a message, more than computing the motion. So only the rare records go through
-`mcap.records`; Message and Message Index records have fixed layouts and are arrays here.
+Format: MCAP specification (mcap.dev/spec). `Writer.add_message` of the mcap library takes some
+microseconds per message, longer than the computation of the motion. So only the rare records are
+encoded by `mcap.records`; Message and MessageIndex records have fixed layouts and are arrays here.
 
-Every byte is under a checksum, that of the data section or that of the summary.
+The checksums of the data section and of the summary cover every byte.
 """
 
 from __future__ import annotations
@@ -50,10 +50,10 @@ from mgs.motion_file.mcap_layout import (
     crc_of,
 )
 
-COMPRESSION_LEVEL = 1  # zstd; joint angles are noise to it, level 3 saves 1 % and level 5 2 %
+COMPRESSION_LEVEL = 1  # zstd; joint angles hardly compress: level 3 saves 1 %, level 5 saves 2 %
 
-# ROS 2 quality of service as rosbag2 records it, in numbers because Humble reads no names. {} is 1
-# for transient-local (late subscribers get it too) or 2 for volatile; durations are infinite.
+# ROS 2 quality of service in the form of rosbag2, as numbers since ROS 2 Humble reads no names. {}
+# is 1 for transient-local (late subscribers receive the message) or 2 for volatile.
 QOS = """\
 - history: 1
   depth: 10
@@ -69,17 +69,17 @@ QOS = """\
 
 @dataclass(frozen=True)
 class Block:
-    """Consecutive messages of one channel, as they stand in a chunk."""
+    """Consecutive messages of one channel in a chunk."""
 
     channel: int
     times: Times  # (N,) [ns]
-    offsets: NDArray[np.uint64]  # (N,) of the messages in the block
+    offsets: NDArray[np.uint64]  # (N,) offsets of the messages in the block [bytes]
     size: int  # [bytes]
-    parts: Iterable[Bytes]  # the records, in pieces of any length
+    parts: Iterable[Bytes]  # records, in pieces of any length
 
 
 def message_rows(channel: int, times: Times, size: int) -> Bytes:
-    """Records (N, HEAD + size) of N messages whose data, rows[:, HEAD:], is still to be filled."""
+    """Records (N, HEAD + size) of N messages; their data, rows[:, HEAD:], is not yet filled in."""
     rows = np.empty((len(times), HEAD + size), dtype=np.uint8)
     head = rows[:, :HEAD].view(MESSAGE)[:, 0]
     head["opcode"], head["length"] = Opcode.MESSAGE, HEAD - RECORD_HEAD.size + size
@@ -89,13 +89,13 @@ def message_rows(channel: int, times: Times, size: int) -> Bytes:
 
 
 def block_of_rows(channel: int, times: Times, rows: Bytes) -> Block:
-    """Block of complete records (N, length) of one length."""
+    """Block of complete records (N, length), all of the same length."""
     offsets = np.arange(len(rows), dtype=np.uint64) * np.uint64(rows.shape[1])
     return Block(channel, times, offsets, rows.size, [rows.reshape(-1)])
 
 
 def block_of_message(channel: int, time: int, size: int, parts: Iterable[Bytes]) -> Block:
-    """Block of one message of any size, given in pieces; so it need not be in memory as a whole."""
+    """Block of one message, given in pieces so that it is never in memory as a whole."""
     times = np.array([time], dtype=np.uint64)
     head = message_rows(channel, times, 0)
     head.view(MESSAGE)["length"] += np.uint64(size)
@@ -109,7 +109,7 @@ def block_of_message(channel: int, time: int, size: int, parts: Iterable[Bytes])
 
 @dataclass
 class ChunkWriter:
-    """Writes one MCAP file of profile ros2 into a stream that can be read and rewound."""
+    """Writer of one MCAP file of profile ros2 to a stream that can be read and rewound."""
 
     stream: BinaryIO
     library: str
@@ -125,12 +125,12 @@ class ChunkWriter:
         self._put(Header("ros2", self.library))
 
     def add_channel(self, topic: str, kind: str, *, once: bool) -> int:
-        """Announce a topic of a message type and return its number.
+        """Register a topic of a message type and return its channel number.
 
         Args:
             topic: name with a leading slash.
             kind: message type such as `std_msgs/String`.
-            once: written once, to be kept for late subscribers.
+            once: the topic has a single message, which late subscribers receive too.
         """
         if kind not in self.schemas:
             text = schema_text(kind).encode()
@@ -156,7 +156,7 @@ class ChunkWriter:
         self.metadata.append(MetadataIndex(offset, length, name))
 
     def add_attachment(self, name: str, media_type: str, data: bytes, time: int) -> None:
-        """Write an attachment logged at `time` [ns]; it has no time of creation."""
+        """Write an attachment with log time `time` [ns] and without a time of creation."""
         offset, length = self._put(Attachment(0, time, name, media_type, data))
         self.attachments.append(
             AttachmentIndex(offset, length, time, 0, len(data), name, media_type)
@@ -165,7 +165,7 @@ class ChunkWriter:
     def add_chunk(self, blocks: Sequence[Block]) -> None:
         """Write a chunk of at least one message and its message indexes."""
         start = self.stream.tell()
-        self.stream.seek(CHUNK_HEAD.size, os.SEEK_CUR)  # the head is known at the end
+        self.stream.seek(CHUNK_HEAD.size, os.SEEK_CUR)  # the head is written at the end
         size = sum(block.size for block in blocks)
         crc = self._compress(blocks, size)
         index_start = self.stream.tell()
@@ -212,7 +212,7 @@ class ChunkWriter:
         self.stream.write(summary + struct.pack("<I", zlib.crc32(summary)) + MAGIC)
 
     def _put(self, record: McapRecord) -> tuple[int, int]:
-        """Write a record; returns its place and length."""
+        """Write a record; return its offset and length [bytes]."""
         builder, offset = RecordBuilder(), self.stream.tell()
         record.write(builder)
         data = _content(builder)
@@ -220,7 +220,7 @@ class ChunkWriter:
         return offset, len(data)
 
     def _compress(self, blocks: Sequence[Block], size: int) -> int:
-        """Write the content of a chunk piece by piece; returns its checksum."""
+        """Write the content of a chunk piece by piece; return its checksum."""
         crc = 0
         packer = zstandard.ZstdCompressor(level=COMPRESSION_LEVEL).compressobj(size=size)
         for block in blocks:
@@ -231,7 +231,7 @@ class ChunkWriter:
         return crc
 
     def _put_indexes(self, blocks: Sequence[Block]) -> dict[int, int]:
-        """Write the message indexes of a chunk; returns their places by channel."""
+        """Write the message indexes of a chunk; return their offsets by channel."""
         places, base = {}, 0
         for block in blocks:
             places[block.channel] = self.stream.tell()

@@ -1,4 +1,4 @@
-"""From a motion file back to the motion."""
+"""Reading motion files."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ JSON_KEYS = ("dt", "samples", "duration", "mass", "solver", "provenance", "foots
 
 
 class FootstepEntry(Model):
-    """A footstep in the metadata."""
+    """Footstep in the metadata."""
 
     side: Literal["left", "right"]
     x: float
@@ -46,7 +46,7 @@ class FootstepEntry(Model):
 
 
 class BoxEntry(Model):
-    """A box in the metadata."""
+    """Box on the ground in the metadata."""
 
     x: float
     y: float
@@ -57,7 +57,7 @@ class BoxEntry(Model):
 
 
 class BallEntry(Model):
-    """A ball in the metadata."""
+    """Ball on the ground in the metadata."""
 
     x: float
     y: float
@@ -69,19 +69,19 @@ class BallEntry(Model):
 
 
 class SceneEntry(Model):
-    """What is on the ground, in the metadata."""
+    """Objects on the ground in the metadata."""
 
     boxes: list[BoxEntry] = Field([])
     balls: list[BallEntry] = Field([])
 
 
 def _provenance(value: object) -> Provenance:
-    """Provenance as it was written; lists stand for tuples in JSON."""
+    """Convert JSON to a provenance; its lists become tuples."""
     return TypeAdapter(Provenance).validate_python(value)
 
 
 class MotionMetadata(Model):
-    """What reading needs of the metadata record `mgs`."""
+    """Part of the metadata record `mgs` that a motion is read from."""
 
     gait: str
     dt: float = Field(gt=0.0, le=1.0)
@@ -94,11 +94,12 @@ class MotionMetadata(Model):
 def read_motion(motion: Motion | str | Path) -> Motion:
     """Read a motion file; every array equals the written one bit for bit.
 
-    A motion is returned as it is, so that who is given either has a motion.
+    Args:
+        motion: path of the file; a motion is returned unchanged, so that functions can accept both.
 
     Raises:
         MotionFileError: the file is missing, damaged or not a motion file.
-        TypeError: neither a motion nor a path.
+        TypeError: the argument is neither a motion nor a path.
     """
     if isinstance(motion, Motion):
         return motion
@@ -114,7 +115,7 @@ def read_motion(motion: Motion | str | Path) -> Motion:
 
 
 def read_info(path: Path) -> dict[str, Any]:
-    """What is in a motion file, without its messages.
+    """Summarize a motion file without decoding its messages.
 
     Returns:
         `file`, `bytes`, `profile`, `library`, `duration` [s], `metadata` (the record `mgs` with its
@@ -150,7 +151,7 @@ def read_info(path: Path) -> dict[str, Any]:
 
 @contextlib.contextmanager
 def _all_errors_naming(path: Path) -> Iterator[None]:
-    """Whatever goes wrong with a file that is not ours becomes a MotionFileError."""
+    """Turn every error that a malformed file causes into a MotionFileError with its path."""
     try:
         yield
     except MotionFileError:
@@ -173,16 +174,18 @@ def _all_errors_naming(path: Path) -> Iterator[None]:
         zstandard.ZstdError,
     ) as error:
         reason = f"{type(error).__name__}: {error}"
-        raise MotionFileError(path, f"not laid out as a motion file ({reason})") from error
+        raise MotionFileError(path, f"not in the layout of a motion file ({reason})") from error
 
 
 def _open(path: Path, stream: BinaryIO) -> McapReader:
-    """Reader of an undamaged motion file of this format."""
+    """Open a motion file of the format that this version of mgs reads."""
     reader = McapReader(stream)
     version = reader.read_metadata().get("schema_version")
     if version != str(FORMAT_VERSION):
         raise MotionFileError(
-            path, f"written in format {version!r}; this mgs reads format {FORMAT_VERSION}"
+            path,
+            f"has format {version!r}, this version of mgs reads format {FORMAT_VERSION}; generate "
+            "the motion again",
         )
     return reader
 

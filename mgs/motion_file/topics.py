@@ -1,8 +1,8 @@
-"""Which topic holds which part of a motion.
+"""Topics with one message per sample, and the parts of a motion that they hold.
 
-Topics with one message per sample are `SampleTopic`s: each says which slot of its message is which
-part of which array of `Motion`, and serves writing and reading alike. /support has messages of
-three lengths and is handled by itself. Topics with a single message are made in `once`.
+A `SampleTopic` assigns each slot of its message to a part of an array of `Motion`, for writing and
+for reading. /support is not among them, since its messages have three lengths. Topics with a single
+message are made in `latched_topics`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from mgs.motion_file.transforms import LinkTree
 from mgs.robot import Robot
 
 WORLD = "world"  # name of the world frame in tf
-START_NS = 10**9  # stamp of the first sample; tf2 takes 0 for "latest"
+START_NS = 10**9  # [ns] stamp of the first sample; tf2 interprets 0 as "latest"
 STAMP = Slot("stamp", 2, "<i4")  # seconds and nanoseconds
 COMMANDS_TOPIC = "/joint_commands"
 SUPPORT_TOPIC = "/support"
@@ -34,15 +34,15 @@ class SampleTopic:
     name: str
     kind: str
     layout: Layout
-    parts: Mapping[str, tuple[str, Any]]  # slot -> array of Motion, and what part of a sample
+    parts: Mapping[str, tuple[str, Any]]  # slot: array of Motion, and part of a sample
 
     def columns(self, arrays: Mapping[str, Any], samples: slice) -> dict[str, NDArray[Any]]:
-        """Parts of the arrays of a motion, by slot; views, so that they can be read and written."""
+        """Parts of the arrays of a motion by slot, as views that can be read and written."""
         return {slot: arrays[name][samples][part] for slot, (name, part) in self.parts.items()}
 
 
 def field_shapes(n: int) -> dict[str, tuple[int, ...]]:
-    """Shape of one sample of each float array of a Motion with n joints."""
+    """Shape of one sample for each float array of a Motion with n joints."""
     return {
         "q": (7 + n,),
         "v": (6 + n,),
@@ -113,7 +113,7 @@ def _joint_states(robot: Robot) -> SampleTopic:
 
 
 def joint_commands(robot: Robot) -> SampleTopic:
-    """What servos are told; no part of the motion, the slot is derived from it when writing."""
+    """Commanded joint angles; derived from the motion when it is written."""
     kind = "sensor_msgs/JointState"
     position = Slot("position", robot.n)
     value = {"header": _header(""), "name": robot.joint_names, "position": position}
@@ -121,14 +121,14 @@ def joint_commands(robot: Robot) -> SampleTopic:
 
 
 def _base_twist(tree: LinkTree) -> SampleTopic:
-    """Velocity of the root link in its own frame; no standard topic has it."""
+    """Velocity of the root link in its own frame, for which ROS has no standard topic."""
     kind = "geometry_msgs/TwistStamped"
     layout = message_layout(kind, {"header": _header(tree.root), "twist": Slot("twist", 6)})
     return SampleTopic("/base_twist", kind, layout, {"twist": ("v", np.s_[:, :6])})
 
 
 def _tf(tree: LinkTree) -> SampleTopic:
-    """The base pose is part of the motion; slots `link 0` ... are derived from q when writing."""
+    """Transforms: the base pose is read, the slots `link 0` ... are derived when writing."""
     kind = "tf2_msgs/TFMessage"
     links = [(WORLD, tree.root, "base")]
     links += [(parent, child, f"link {i}") for i, (parent, child) in enumerate(tree.moving)]
@@ -141,7 +141,7 @@ def _tf(tree: LinkTree) -> SampleTopic:
 
 
 def _point(topic: str, name: str) -> SampleTopic:
-    """A point; a ZMP has two coordinates and lies on the ground."""
+    """Topic of a point; a ZMP has two coordinates, and z = 0."""
     kind, n_axes = "geometry_msgs/PointStamped", field_shapes(0)[name][0]
     slots = {axis: Slot(axis, 1) for axis in "xyz"[:n_axes]}
     layout = message_layout(kind, {"header": _header(WORLD), "point": slots})
@@ -156,7 +156,7 @@ def _pose(topic: str, name: str, part: Any) -> SampleTopic:
 
 
 def _hand_reference(topic: str, side: Side) -> SampleTopic:
-    """Hands have no orientation task: their reference stands upright, quaternion identity."""
+    """Planned position of a hand; it has no orientation task, the quaternion is the identity."""
     kind = "geometry_msgs/PoseStamped"
     pose = {"position": Slot("position", 3), "orientation": {"w": 1.0}}
     layout = message_layout(kind, {"header": _header(WORLD), "pose": pose})
@@ -164,7 +164,7 @@ def _hand_reference(topic: str, side: Side) -> SampleTopic:
 
 
 def _torso_reference() -> SampleTopic:
-    """The torso has no position task."""
+    """Planned orientation of the torso, which has no position task."""
     kind = "geometry_msgs/QuaternionStamped"
     value = {"header": _header(WORLD), "quaternion": Slot("orientation", 4)}
     layout = message_layout(kind, value)

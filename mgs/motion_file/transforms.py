@@ -1,11 +1,11 @@
-"""Transforms between the links of a robot along a motion, as tf wants them.
+"""Transforms between the links of a robot along a motion, for /tf.
 
-A link is in its parent link at a constant placement, turned about the axis of its joint by q. As
-quaternions, with quat that of the placement,
+A link has a constant placement in its parent link and is rotated about the axis of its joint by q.
+With the quaternion `quat` of the placement,
 
     quat(q) = quat * (axis sin(q/2), cos(q/2)) = cos(q/2) quat + sin(q/2) (quat * (axis, 0))
 
-so that a link costs two constant quaternions and a few array operations for all samples.
+so that all samples of a link take a few array operations on two constant quaternions.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class LinkTree:
 
 
 def link_tree(robot: Robot) -> LinkTree:
-    """Links and the constants of their joints, from the model."""
+    """Links of a robot and the constants of their joints."""
     frames = robot.model.frames
     bodies = [frame for frame in frames if frame.type == pin.FrameType.BODY]
     root = next(b.name for b in bodies if frames[b.parentFrame].parentFrame == 0)
@@ -71,7 +71,7 @@ def link_tree(robot: Robot) -> LinkTree:
 def _joint_constants(
     model: pin.Model, joint: int, parent: pin.Frame
 ) -> tuple[int, Array, Array, Array]:
-    """What the pose of a joint's link in its parent link needs: index, position, quat, turn."""
+    """Constants of the pose of a joint's link in its parent: index, position, quat, turn."""
     kind = model.joints[joint]
     data = kind.createData()
     kind.calc(data, pin.neutral(model))

@@ -1,4 +1,4 @@
-"""From a motion to its file."""
+"""Writing motion files."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ from mgs.motion_file.transforms import LinkTree, link_tree
 from mgs.robot import is_modelled
 
 FORMAT_VERSION = 3
-SAMPLES_PER_CHUNK = 500  # about 2 MB; players read a chunk at a time
+SAMPLES_PER_CHUNK = 500  # about 2 MB; viewers read a chunk at a time
 
 
 def write_motion(
@@ -54,17 +54,17 @@ def write_motion(
     """Write a motion file, or nothing at all.
 
     Args:
-        motion: what to write.
-        path: the file; its folder is made if missing.
+        motion: motion to write.
+        path: path of the file; its folder is made if missing.
         force: replace an existing file.
-        progress: called with the number of samples written and of all samples.
+        progress: called with the number of written samples and the number of all samples.
 
     Returns:
-        The file.
+        Path of the file.
 
     Raises:
-        OutputExistsError: there is a file and `force` is not set.
-        MotionFileError: an array has a wrong shape or holds a NaN.
+        OutputExistsError: the file exists and `force` is not set.
+        MotionFileError: an array has a wrong shape or contains a number that is not finite.
         MgsError: the file cannot be written.
         TypeError: an argument has a wrong type.
     """
@@ -88,7 +88,7 @@ def motion_bytes(motion: Motion) -> bytes:
     """Content of the file that `write_motion` would write.
 
     Raises:
-        MotionFileError: an array has a wrong shape or holds a NaN.
+        MotionFileError: an array has a wrong shape or contains a number that is not finite.
     """
     if problem := find_problem(motion):
         raise MotionFileError(motion.gait_name, problem)
@@ -119,7 +119,7 @@ def _write(motion: Motion, stream: BinaryIO, progress: Progress) -> None:
 
 
 def metadata(motion: Motion) -> dict[str, str]:
-    """The metadata record `mgs`; every number as JSON, so that it reads back exactly."""
+    """Metadata record `mgs`; numbers are JSON, so that they read back exactly."""
     footsteps = [asdict(s) | {"side": s.side.label} for s in motion.footsteps]
     return {
         "mgs_version": mgs.__version__,
@@ -149,10 +149,9 @@ def _attachments(motion: Motion) -> list[tuple[str, str, str]]:
 def _write_once(
     motion: Motion, tree: LinkTree, writer: ChunkWriter, channels: dict[str, int]
 ) -> None:
-    """The trajectory, 53 MB for 160 000 samples, has a chunk of its own.
+    """Write the topics with a single message, /joint_trajectory in a chunk of its own.
 
-    So whoever asks for the robot description need not unpack it, and no chunk of moderate size has
-    to hold a message larger than itself, on which some readers stumble.
+    That message has 53 MB for 160 000 samples. Readers of the robot description need not unpack it.
     """
     blocks = [
         block_of_message(channels[topic], START_NS, layout.size, [layout.template])
@@ -172,7 +171,7 @@ def _sample_blocks(
     times: NDArray[np.uint64],
     samples: slice,
 ) -> list[Block]:
-    """All messages of a span of samples, topic by topic."""
+    """Messages of a span of samples, topic by topic."""
     times = times[samples]
     stamps = split_stamps(times)
     blocks = []
@@ -193,7 +192,7 @@ def _sample_blocks(
 
 
 def _support_block(channel: int, times: NDArray[np.uint64], support: NDArray[np.int8]) -> Block:
-    """Messages of different lengths: rows for the longest, of which the rest is cut off."""
+    """Messages of /support, which have three lengths: rows of the longest one, cut to length."""
     layouts = support_layouts()
     rows = message_rows(channel, times, max(layout.size for layout in layouts.values()))
     sizes = np.array([layouts[s].size for s in Support])[support]  # (N,)

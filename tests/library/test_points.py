@@ -161,12 +161,15 @@ def test_flat_names_are_dotted():
         ({"axes": {LENGTH: [1]}, "base": "melson/none"}, "no gait of that name"),
         ({"axes": {LENGTH: [1]}, "mgs": 2}, "mgs: "),
         ({"axes": {LENGTH: [1]}, "filters": ["sped > 1"]}, "filters: no column 'sped'"),
-        ({"axes": {LENGTH: [1]}, "filters": ["False"]}, "leave none"),
-        ({"axes": {LENGTH: [datetime.date(2020, 1, 2)]}}, f"axes.{LENGTH}: 2020-01-02 is no value"),
-        ({"axes": {"robot": [3]}}, "3 is no name of a robot"),
+        ({"axes": {LENGTH: [1]}, "filters": ["False"]}, "exclude all 1 points"),
+        (
+            {"axes": {LENGTH: [datetime.date(2020, 1, 2)]}},
+            f"axes.{LENGTH}: 2020-01-02 is not a value",
+        ),
+        ({"axes": {"robot": [3]}}, "3 is not the name of a robot"),
         (
             {"axes": {key: {"linspace": [0, 1, 5000]} for key in (LENGTH, HEIGHT)}},
-            "25000000 gaits; 1000000 at most",
+            "25000000 gaits; at most 1000000",
         ),
     ],
 )

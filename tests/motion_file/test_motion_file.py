@@ -637,7 +637,7 @@ def test_sealing_changes_nothing_in_a_sound_file() -> None:
         (b"0.0123", b"-0.123", "dt"),
         (b"step_length: 0.3", b"step_longth: 0.3", "did you mean 'step_length'"),
         (b"samples\x01\0\0\x003", b"samples\x01\0\0\x004", "has 3 messages, not 4"),
-        (b'"clik"', b'"clik,', "not laid out"),
+        (b'"clik"', b'"clik,', "not in the layout"),
     ],
 )
 def test_a_file_with_a_wrong_part_is_refused(
@@ -655,7 +655,7 @@ def test_a_file_with_a_wrong_part_is_refused(
         ("split_stamps", lambda right, times: right(times + np.uint64(1)), "a stamp in /joint_s"),
         ("stamps_ns", lambda right, n, dt: right(n, dt)[::-1], "not in step with dt"),
         ("link_tree", lambda right, robot: right(load_robot("melson")), "does not fit its topic"),
-        ("link_tree", lambda right, r: replace(right(r), root="pelviz"), "not laid out"),
+        ("link_tree", lambda right, r: replace(right(r), root="pelviz"), "not in the layout"),
         ("support_layouts", lambda right: dict.fromkeys(Support, right()[0]), None),
         ("support_layouts", lambda right: {s: SHORT for s in right()}, "/support says"),
     ],
