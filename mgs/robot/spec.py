@@ -135,8 +135,8 @@ class RobotSpec(Model):
     urdf: str = Field("robot.urdf", description="URDF file, relative to the folder of robot.yaml.")
     base_link: str = Field(description="Name of the link that carries the floating base.")
     torso: FrameSpec = Field(
-        description="Frame of the torso, used by torso orientation tasks; its x axis points ahead and "
-        "its z axis up while the torso is upright."
+        description="Frame of the torso, used by torso orientation tasks. Its x axis points ahead "
+        "and its z axis up while the torso is upright."
     )
     soles: SolePair = Field(description="Soles of both feet.")
     hands: PairOf | None = Field(
