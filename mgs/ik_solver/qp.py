@@ -9,8 +9,8 @@ Control 67(8), 2022), chosen by measurement on these problems (docs/benchmarks.m
 from __future__ import annotations
 
 import daqp
+import eigenpy
 import numpy as np
-from scipy.linalg import lapack
 
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NV
@@ -20,6 +20,7 @@ FREE = 1e30  # the bound of what has none
 ELASTIC_WEIGHT = 1e6  # of the equalities where they cannot be met
 TOLERANCE = 1e-9  # of DAQP, on bounds and equalities
 SOLVED = 1  # DAQP's exit flag
+SINGULAR = 1e-12  # damping of dependent equalities, relative to the mean curvature
 
 
 class BoundedQp:
@@ -97,20 +98,21 @@ def kkt_residual(
 
 
 def solve_equality(H: Array, g: Array, A: Array, b: Array) -> Array:
-    """Minimiser (n,) without bounds: the closed form, eq. (2) of Faraji and Ijspeert.
+    """Minimiser (n,) without bounds, in closed form: eq. (2) of Faraji and Ijspeert.
 
     H is positive definite; dependent rows of A are met in the least-squares sense.
+
+    Raises:
+        ArithmeticError: H is not positive definite.
     """
-    n = len(g)
-    _, X, info = lapack.dposv(H, np.column_stack([A.T, -g]))
-    if info != 0:
+    factor = eigenpy.LLT(H)
+    if factor.info() != eigenpy.ComputationInfo.Success:
         raise ArithmeticError("H is not positive definite")
-    Y, free = X[:, :-1], X[:, -1]
+    X = factor.solve(np.column_stack([A.T, -g]))
+    Y, x = X[:, :-1], X[:, -1]
     S = A @ Y
-    S.ravel()[:: len(b) + 1] += 1e-12 * np.trace(S) / len(b)
-    factor, info = lapack.dpotrf(S)
-    x = free
-    for _ in range(2):  # the second pass takes back what the damping of S has left
-        x = x + Y @ lapack.dpotrs(factor, b - A @ x)[0]
-    assert x.shape == (n,)
+    S.ravel()[:: len(b) + 1] += SINGULAR * np.trace(S) / len(b)
+    inner = eigenpy.LLT(S)
+    for _ in range(2):  # the second pass removes the error that the damping of S has left
+        x = x + Y @ inner.solve(b - A @ x).ravel()  # eigenpy returns (1, 1) for one row
     return np.asarray(x)
