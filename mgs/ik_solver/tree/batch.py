@@ -104,7 +104,6 @@ class TreeBatch:
         J = J[loaded[:, None, None], np.arange(6)[:, None], chain]
         at = loaded[:, None]
         tau[at, chain] -= (loads.wrench[start + loaded, None] @ J)[:, 0]
-        dtau[at[..., None], chain[:, None], chain] -= contact_derivative(
-            J, loads.cross[start + loaded]
-        )
+        product = J.transpose(0, 2, 1) @ (loads.cross[start + loaded] @ J)
+        dtau[at[..., None], chain[:, None], chain] -= contact_derivative(product)
         return tau, dtau

@@ -7,17 +7,15 @@ other sole takes the wrench w (6,) over (force, then moment about the world orig
     dtau_j/dq_i = dtau_g,j/dq_i - (J_i x J_j) . w    for i before j on the chain to it, 0 elsewhere
 
 The other sole always takes the part of the weight that `TaskTrajectory.load_left` plans for it.
-Its load is zero as it lands or lifts, which single support is the limit of: tau is continuous.
-What is left of w is chosen in one of two ways.
+This part is zero at the instants of landing and lift-off, as in single support: tau is continuous.
+The other components of w are chosen in one of two ways.
 
     shared    no horizontal force; both centres of pressure displaced alike, so that together they
               act below the CoM: the rule of `mgs.motion.dynamics`.
-    optimal   min over w of 1/2 tau^T tau, both soles inside friction and rectangle. The derivative
+    optimal   min over w of 1/2 tau^T tau, both soles within friction and rectangle. The derivative
               of the minimum is that at the minimiser held fixed, since no limit depends on q.
 
-The wrench belongs to the reference (CoM and soles asked for), so that it does not vary with q.
-Friction and rectangle of a sole bound its wrench by 16 half-spaces: Caron, Pham, Nakamura,
-"Stability of surface contacts for humanoid robots", ICRA 2015.
+The wrench is computed from the references of CoM and soles, so that it does not vary with q.
 """
 
 from __future__ import annotations
@@ -30,19 +28,17 @@ import numpy as np
 
 from mgs.com_generator import ComTrajectory
 from mgs.core.arrays import Array
-from mgs.core.constants import FRICTION
 from mgs.core.contact import Side
-from mgs.core.geometry import rotations_from_quat_xyzw
 from mgs.ik_solver.tree.tasks import TreeTasks
+from mgs.ik_solver.tree.wrench_cones import skew, wrench_cones
 from mgs.motion.dynamics import share_wrench
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
 
 Sharing = Literal["off", "shared", "optimal"]
-N_CONE = 16  # half-spaces that bound the wrench of one sole
-LEAST_LOAD = 1e-4  # share of the weight below which a sole is left the shared wrench
-DAMPING = 1e-6  # of the free wrench components, in parts of the mean curvature
-SOLVED, TOLERANCE = 1, 1e-9  # DAQP's exit flag and tolerance
+LEAST_LOAD = 1e-4  # share of the weight below which a sole keeps the shared wrench
+DAMPING = 1e-6  # of the free wrench components, relative to the mean curvature
+SOLVED, TOLERANCE = 1, 1e-9  # exit flag and tolerance of DAQP
 
 
 class StaticLoads:
@@ -50,6 +46,9 @@ class StaticLoads:
 
     Attributes:
         wrench: (N, 6) force [N] and moment about the world origin [N m]; zero in single support.
+        cross: (N, 6, 6) its `motion_cross`.
+        loaded: (N,) whether the sole carries a part of the weight.
+        optimal: whether the wrench of least torque replaces the shared one.
     """
 
     def __init__(
@@ -63,8 +62,12 @@ class StaticLoads:
         self.cross = motion_cross(self.wrench)
         self.optimal = sharing == "optimal"
         self.loaded = self.wrench[:, 2] > 0.0
-        if not self.optimal:
-            return
+        if self.optimal:
+            self._set_limits(robot, tasks, both)
+
+    def _set_limits(self, robot: Robot, tasks: TaskTrajectory, both: Array) -> None:
+        """Free wrench components y (5,) and the limits rows y <= room of both soles."""
+        samples, other = np.arange(tasks.n_samples), 1 - tasks.root
         load = self.wrench[:, 2] / self.weight
         self._free = (load > LEAST_LOAD) & (load < 1.0 - LEAST_LOAD)
         self._moves = np.zeros((tasks.n_samples, 6, 5))  # columns: fx, fy, mx, my, mz at the sole
@@ -88,7 +91,10 @@ class StaticLoads:
     def at(self, k: int, tau: Array, J: Array) -> tuple[Array, Array]:
         """Wrench (6,) at sample k and its `motion_cross`.
 
-        tau (n,) is due to gravity alone, J (6, n) is the spatial Jacobian of the sole.
+        Args:
+            k: the sample.
+            tau: (n,) gravity torques if the root sole carried everything [N m].
+            J: (6, n) spatial Jacobian of the other sole in the world.
         """
         if not (self.optimal and self._free[k]):
             return self.wrench[k], self.cross[k]
@@ -123,70 +129,26 @@ def shared_wrenches(weight: float, tasks: TaskTrajectory, com: Array) -> Array:
     return share_wrench(total, com[:, :2], tasks.soles[..., :3], tasks.load_left)
 
 
-def wrench_cones(robot: Robot, side: Side, tasks: TaskTrajectory, wrenches: Array) -> Array:
-    """Rows U (N, 16, 6) with U w <= 0 for a wrench w about the world origin that one sole bears.
-
-    Where the plan's share puts the centre of pressure beside the sole (the motion is too fast for
-    statics) the rectangle is widened to hold it.
-    """
-    spec, poses, w = robot.sole_spec(side), tasks.soles[:, side], wrenches[:, side]
-    R, p = rotations_from_quat_xyzw(poses[:, 3:]), poses[:, :3]
-    load = np.maximum(w[:, 2], 1e-12)
-    pressure = np.stack([-w[:, 4] / load, w[:, 3] / load, 0.0 * load], axis=1) - p
-    local = np.abs(np.einsum("nji,nj->ni", R, pressure))  # R^T pressure
-    x = np.maximum(0.5 * spec.length, local[:, 0])
-    y = np.maximum(0.5 * spec.width, local[:, 1])
-    # w_local = [R^T f; R^T (m - p x f)]
-    to_local = np.zeros((len(p), 6, 6))
-    to_local[:, :3, :3] = to_local[:, 3:, 3:] = R.transpose(0, 2, 1)
-    to_local[:, 3:, :3] = -R.transpose(0, 2, 1) @ _skew(p)
-    return _cone_of_rectangle(x, y, FRICTION) @ to_local
-
-
-def _cone_of_rectangle(x: Array, y: Array, mu: float) -> Array:
-    """Rows (N, 16, 6) for half lengths x and half widths y (N,), in the sole's frame."""
-    U = np.zeros((len(x), N_CONE, 6))
-    U[:, :4, 0], U[:, :4, 1] = [1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0]
-    U[:, :4, 2] = -mu
-    U[:, 4:8, 3], U[:, 4:8, 4] = [1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0]
-    U[:, 4:6, 2], U[:, 6:8, 2] = -y[:, None], -x[:, None]
-    row = 8
-    for turn in (1.0, -1.0):  # the moment about the vertical, either way
-        for a in (1.0, -1.0):
-            for b in (1.0, -1.0):
-                U[:, row, 0], U[:, row, 1] = a * y, b * x
-                U[:, row, 2] = -mu * (x + y)
-                U[:, row, 3], U[:, row, 4] = turn * a * mu, turn * b * mu
-                U[:, row, 5] = turn
-                row += 1
-    return U
-
-
-def _skew(p: Array) -> Array:
-    """Matrices (..., 3, 3) of p x, for p (..., 3)."""
-    S = np.zeros((*p.shape, 3))
-    S[..., 0, 1], S[..., 0, 2], S[..., 1, 2] = -p[..., 2], p[..., 1], -p[..., 0]
-    S[..., 1, 0], S[..., 2, 0], S[..., 2, 1] = p[..., 2], -p[..., 1], p[..., 0]
-    return S
-
-
 def motion_cross(wrench: Array) -> Array:
-    """Matrices C (..., 6, 6) of w (..., 6) with C J_i = J_i x* w, the force cross product."""
+    """Matrices C (..., 6, 6) for wrenches w (..., 6): C J_i = J_i x* w, the force cross product."""
     C = np.zeros((*wrench.shape[:-1], 6, 6))
-    C[..., :3, 3:] = C[..., 3:, :3] = -_skew(wrench[..., :3])
-    C[..., 3:, 3:] = -_skew(wrench[..., 3:])
+    C[..., :3, 3:] = C[..., 3:, :3] = -skew(wrench[..., :3])
+    C[..., 3:, 3:] = -skew(wrench[..., 3:])
     return C
 
 
-def contact_derivative(J: Array, C: Array) -> Array:
-    """Derivative of (J^T w)_j by q_i (..., n, n), first axis j; C = motion_cross(w)."""
-    J_t = np.swapaxes(J, -1, -2)
-    return np.asarray((J_t @ (C @ J)) * -_below_diagonal(J.shape[-1]))
+def contact_derivative(product: Array) -> Array:
+    """Derivative (..., n, n) of (J^T w)_j by q_i, first axis j, where C is `motion_cross(w)`.
+
+    Args:
+        product: (..., n, n) J^T C J.
+    """
+    return np.asarray(product * _minus_below_diagonal(product.shape[-1]))
 
 
 @functools.cache
-def _below_diagonal(n: int) -> Array:
-    return np.tril(np.ones((n, n)), -1)
+def _minus_below_diagonal(n: int) -> Array:
+    return -np.tril(np.ones((n, n)), -1)
 
 
 def loaded_gravity(
@@ -194,11 +156,11 @@ def loaded_gravity(
 ) -> tuple[Array, Array]:
     """Static torques (n,) [N m] at sample k and their derivative (n, n), in the tree's order.
 
-    Without `loads`, as if the root carried everything.
+    Without `loads` the root sole carries everything.
     """
     tau, derivative = tree.gravity(q)
     if loads is None or not loads.loaded[k]:
         return tau, derivative
-    J = tree.data.J * tree.on_chain
+    J = tree.swing_jacobian()
     wrench, C = loads.at(k, tau, J)
-    return tau - np.dot(wrench, J), derivative - contact_derivative(J, C)
+    return tau - wrench.dot(J), derivative - contact_derivative(J.T.dot(C.dot(J)))

@@ -71,8 +71,9 @@ class TreeTasks:
         self._R_T = self.R.T
         joints = self.model.supports[self.model.frames[tree.swing_sole].parentJoint]
         self.chain = np.array([joint - 1 for joint in joints if joint > 0])  # between the soles
-        self.on_chain = np.zeros(robot.n)  # 1 for those joints
-        self.on_chain[self.chain] = 1.0
+        self._on_chain = np.zeros((6, robot.n), order="F")  # 1 in the columns of those joints
+        self._on_chain[:, self.chain] = 1.0
+        self._J_world = self.data.J  # a view that follows every update
         T_world_base = pin.XYZQUATToSE3(robot.standing_q[:FLOATING_BASE_NQ])
         self._base_rest = T_world_base.rotation  # while the soles look ahead
         self._heading = np.eye(3)  # of the support sole
@@ -135,6 +136,10 @@ class TreeTasks:
         frame = self.tree.torso
         J = pin.getFrameJacobian(self.model, self.data, frame, WORLD_ALIGNED)[3:]
         return J, pin.log3(R_ref.dot(self.data.oMf[frame].rotation.T))
+
+    def swing_jacobian(self) -> Array:
+        """Spatial Jacobian (6, n) of the swing sole in the world, at the last joint angles."""
+        return self._J_world * self._on_chain
 
     def gravity(self, q: Array) -> tuple[Array, Array]:
         """Gravity torques (n,) [N m] and their derivative (n, n), in the tree's order.

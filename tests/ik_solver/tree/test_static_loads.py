@@ -9,16 +9,12 @@ from numpy.testing import assert_allclose
 from scipy.optimize import linprog, minimize
 
 from mgs.com_generator import ComTrajectory, generate_com
+from mgs.core.constants import FRICTION
 from mgs.core.contact import Side, Support
 from mgs.gait import load_gait
-from mgs.ik_solver.tree.static_loads import (
-    FRICTION,
-    StaticLoads,
-    loaded_gravity,
-    shared_wrenches,
-    wrench_cones,
-)
+from mgs.ik_solver.tree.static_loads import StaticLoads, loaded_gravity, shared_wrenches
 from mgs.ik_solver.tree.tasks import TreeTasks
+from mgs.ik_solver.tree.wrench_cones import wrench_cones
 from mgs.motion.dynamics import analyse, place_on_soles
 from mgs.motion_planner import plan_motion
 from mgs.pipeline import Stages, run_stages
@@ -55,7 +51,7 @@ def wrenches_at(
 ) -> np.ndarray:
     """Wrenches (2, 6) about the world origin on left and right sole."""
     tau, _ = tree.gravity(stages.joints.angles[k, tree.order])
-    wrench, _ = loads.at(k, tau, tree.data.J * tree.on_chain)
+    wrench, _ = loads.at(k, tau, tree.swing_jacobian())
     com, weight = stages.com.position[k], robot.mass * GRAVITY
     total = np.array([0.0, 0.0, weight, weight * com[1], -weight * com[0], 0.0])
     out = np.empty((2, 6))
@@ -181,7 +177,7 @@ def test_the_least_torque_is_the_optimum_that_a_general_solver_finds(
         tree = tree_at(trees, walk.tasks, k)
         side = tree.tree.side
         tau, _ = tree.gravity(walk.joints.angles[k, tree.order])
-        J = tree.data.J * tree.on_chain
+        J = tree.swing_jacobian()
         shared, total = both[k, side.other], both[k].sum(axis=0)
         U_other, U_root = cones[side.other][k], cones[side][k]
         centre = walk.tasks.soles[k, side.other, :3]
