@@ -432,25 +432,29 @@ def test_any_well_formed_gait_becomes_a_file_or_a_message(here: Path):
 @pytest.mark.parametrize(
     ("arguments", "exit_code", "part"),
     [
-        (("melson/pick_up", "--set", "pick_up.object=[0.5, 0.0, 0.1]"), 1, "mm away; move the obj"),
+        (
+            ("melson/pick_up", "--set", "pick_up.object=[0.5, 0.0, 0.1]"),
+            1,
+            "mm away; move pick_up.o",
+        ),
         (
             ("melson/pick_up", "--set", "pick_up.object=[0.5, 0.0]"),
             2,
             "object: list should",
         ),
-        (("melson/pick_up", "--set", "pick_up.width=0.1"), 2, "leave it out or hand: both"),
+        (("melson/pick_up", "--set", "pick_up.width=0.1"), 2, "leave it out or use hand: both"),
         (("melson/pick_up", "--ik", "clik"), 2, "ik.solver: clik cannot follow the posture"),
         (("melson/wave", "--set", "keyframes.keys=[]"), 2, "keyframes.keys: list should have at"),
         (("melson/wave", "--set", "keyframes.rest=2.0"), 2, "use a later time or a shorter rest"),
         (
             ("melson/pick_up", "--set", "pick_up.payload=1", "--set", "pick_up.pause=0"),
             2,
-            "cannot be taken over in no time; give a pause",
+            "payload = 1 kg needs a pause above 0 s",
         ),
         (
             ("melson/wave", "--set", "keyframes.keys=[{time: 2.0}, {time: 1.0}]"),
             2,
-            "keys.1.time = 1 s is not after 2 s",
+            "keys.1.time = 1 s is not after the end of the key before, 2 s",
         ),
         (
             ("melson/wave", "--set", "keyframes.keys=[{time: 2.0, left_hand: [0.4, 0.0, 0.0]}]"),
