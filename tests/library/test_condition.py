@@ -1,4 +1,4 @@
-"""Conditions: what they mean, told by Python itself; what they refuse, and how."""
+"""Conditions: their meaning, compared with Python, and the refusal of everything else."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ def holds(text: str, figures: dict[str, float | str | None] | None = None) -> bo
         ("True", True),
     ],
 )
-def test_a_condition_means_what_it_says(text: str, expected: bool):
+def test_conditions_have_the_expected_truth_values(text: str, expected: bool):
     assert holds(text) is expected
 
 
-def test_what_is_not_known_is_not_true():
+def test_comparisons_with_missing_values_are_not_true():
     figures = {"survived": None, "speed": 0.2}
     assert not holds("survived", figures)
     assert not holds("not survived", figures)
@@ -74,7 +74,7 @@ conditions = st.recursive(
 
 
 @given(conditions)
-def test_python_comes_to_the_same(text: str):
+def test_python_evaluates_conditions_to_the_same_result(text: str):
     """The oracle is Python's own eval, on a text made here."""
     names = {key: value for key, value in FIGURES.items() if "." not in key}
     assert holds(text) == bool(eval(text, {"__builtins__": {}}, names))
@@ -90,20 +90,20 @@ def test_python_comes_to_the_same(text: str):
         *("(" * 300 + "n" + ")" * 300, "-" * 1500 + "n", "n" * 3000, "n\0", "(n := 2)", "~n"),
     ],
 )
-def test_anything_else_is_refused(text: str):
+def test_expressions_outside_the_grammar_are_refused(text: str):
     with pytest.raises(ConfigError, match="--where"):
         compile_condition(text, list(FIGURES), "--where")
 
 
 @given(st.text(max_size=60))
-def test_no_text_breaks_the_compiler(text: str):
+def test_any_text_compiles_or_raises_a_config_error(text: str):
     try:
         compile_condition(text, list(FIGURES), "--where")
     except ConfigError as error:
         assert error.source == "--where"
 
 
-def test_what_is_nested_as_deeply_as_may_be_is_taken_by_sqlite():
+def test_sqlite_accepts_the_deepest_allowed_nesting():
     for depth in range(1, 100):
         text = "(not (n < " * depth + "1" + "))" * depth
         try:
@@ -115,7 +115,7 @@ def test_what_is_nested_as_deeply_as_may_be_is_taken_by_sqlite():
     assert depth > 8
 
 
-def test_an_unknown_name_is_told_with_those_that_there_are():
+def test_an_unknown_name_is_reported_with_all_known_names():
     with pytest.raises(ConfigError) as caught:
         compile_condition("sped > 1", list(FIGURES), "--where")
     told = str(caught.value)
@@ -124,7 +124,7 @@ def test_an_unknown_name_is_told_with_those_that_there_are():
     assert all(name in told for name in FIGURES)
 
 
-def test_a_name_is_quoted_and_a_text_is_a_parameter():
+def test_names_are_quoted_and_strings_are_parameters():
     name = 'odd"name'
     sql, parameters = compile_condition("robot == 'x\\' OR 1=1 --'", ["robot", name], "--where")
     assert sql == '(("robot" = ?))'

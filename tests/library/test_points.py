@@ -1,4 +1,4 @@
-"""Sweeps: which points they have, in which order, and what a sweep may not say."""
+"""Sweeps: their points, the order of the points, and the refusal of malformed sweeps."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_a_grid_has_every_combination_in_order(tmp_path: Path):
     assert plan.points == [(0.01, "clik"), (0.01, "ik4"), (0.02, "clik"), (0.02, "ik4")]
 
 
-def test_spaces_are_spaced_as_they_say(tmp_path: Path):
+def test_linspace_and_logspace_have_the_expected_values(tmp_path: Path):
     axes = {
         LENGTH: {"linspace": [0.01, 0.05, 5]},
         HEIGHT: {"logspace": [0.01, 0.04, 3]},
@@ -54,7 +54,7 @@ def test_spaces_are_spaced_as_they_say(tmp_path: Path):
     assert len(plan.points) == 5 * 3 * 3
 
 
-def test_whole_numbers_stay_whole(tmp_path: Path):
+def test_whole_numbers_stay_integers(tmp_path: Path):
     plan = plan_of(tmp_path, axes={"walk.n_steps": {"linspace": [2, 10, 5]}})
     assert [point for (point,) in plan.points] == [2, 4, 6, 8, 10]
     for number in range(5):  # strict integers of a gait file take them
@@ -83,7 +83,7 @@ def test_draws_fill_their_ranges_evenly_and_depend_on_the_seed_alone(tmp_path: P
     assert plan_of(tmp_path, **content | {"seed": 4}).points != plan.points
 
 
-def test_a_table_gives_rows_each_with_all_of_the_axes(tmp_path: Path):
+def test_each_row_of_a_table_is_combined_with_all_axes(tmp_path: Path):
     (tmp_path / "rows.csv").write_text(f"{LENGTH}, ik.solver\n0.01,clik\n1e-2,ik4\n")
     plan = plan_of(tmp_path, sampling="table", table="rows.csv", axes={HEIGHT: [0.02, 0.03]})
     assert plan.keys == (LENGTH, "ik.solver", HEIGHT)
@@ -101,7 +101,7 @@ def test_filters_may_use_any_key_of_the_gait(tmp_path: Path):
 
 
 @given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=4, unique=True))
-def test_a_value_reaches_the_gait_to_the_last_bit(lengths: list[float]):
+def test_a_value_reaches_the_gait_exactly(lengths: list[float]):
     import tempfile
 
     with tempfile.TemporaryDirectory() as folder:
@@ -117,12 +117,12 @@ def test_the_order_of_the_points_is_that_of_nested_loops(tmp_path: Path):
     assert plan_of(tmp_path, axes=axes).points == list(itertools.product(*axes.values()))
 
 
-def test_a_gait_beside_the_sweep_may_be_its_base(tmp_path: Path):
+def test_the_base_gait_may_be_a_file_beside_the_sweep(tmp_path: Path):
     (tmp_path / "mine.yaml").write_text(load_gait("melson/walk_5cm").to_yaml())
     assert plan_of(tmp_path, base="mine.yaml", axes={LENGTH: [0.0]}).base == tmp_path / "mine.yaml"
 
 
-def test_what_a_database_cannot_hold_is_kept_as_text():
+def test_values_that_a_database_cannot_hold_are_stored_as_text():
     assert [plain(x) for x in (1, 0.5, "a", None, True)] == [1, 0.5, "a", None, True]
     assert [plain(x) for x in (10**30, [0.0, 1], {"a": None})] == [
         "1" + 30 * "0", "[0.0, 1]", '{"a": null}',
@@ -173,7 +173,7 @@ def test_flat_names_are_dotted():
         ),
     ],
 )
-def test_a_sweep_that_is_none_is_refused_with_the_key(
+def test_a_malformed_sweep_is_refused_with_its_key(
     tmp_path: Path, content: dict[str, Any], told: str
 ):
     with pytest.raises(ConfigError) as caught:
@@ -192,11 +192,11 @@ def test_a_sweep_that_is_none_is_refused_with_the_key(
         ("walk.colour\nred\n", "no such key"),
     ],
 )
-def test_a_table_that_is_none_is_refused(tmp_path: Path, text: str, told: str):
+def test_a_malformed_table_is_refused(tmp_path: Path, text: str, told: str):
     (tmp_path / "rows.csv").write_text(text)
     with pytest.raises(ConfigError, match=told):
         plan_of(tmp_path, sampling="table", table="rows.csv")
 
 
-def test_every_way_to_state_an_axis_is_a_key_of_its_model():
+def test_every_form_of_an_axis_is_a_key_of_its_model():
     assert tuple(Axis.model_fields) == KINDS

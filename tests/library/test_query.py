@@ -1,4 +1,4 @@
-"""Libraries looked into: conditions, tables, and the nearest gait against a search through all."""
+"""Queries: conditions, tables, and the nearest gait, compared with a search through all gaits."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ speeds = st.floats(-1.0, 1.0)
 
 
 @given(speeds, speeds, speeds)
-def test_the_nearest_gait_is_the_nearest_of_all(
+def test_nearest_finds_the_gait_at_the_smallest_distance(
     library: GaitLibrary, velocities: np.ndarray, vx: float, vy: float, wz: float
 ):
     """1 rad/s counts as much as 0.1 m/s."""
@@ -70,7 +70,7 @@ def test_the_nearest_gait_is_the_nearest_of_all(
     assert (found.vx, found.vy, found.wz) == tuple(velocities[found.number])
 
 
-def test_a_gait_found_tells_its_file_and_figures(library: GaitLibrary, folder: Path):
+def test_a_found_gait_has_its_file_and_figures(library: GaitLibrary, folder: Path):
     found = library.nearest(vx=0.1)
     assert found.file == folder / f"gaits/{found.number}.mcap"
     assert found.figures["robot"] == "melson"
@@ -87,7 +87,7 @@ def test_looking_up_takes_less_than_a_millisecond(library: GaitLibrary, velociti
     assert np.median(taken) < 1e-3
 
 
-def test_which_gaits_are_looked_at_is_a_condition(folder: Path, velocities: np.ndarray):
+def test_a_condition_restricts_the_gaits_that_are_considered(folder: Path, velocities: np.ndarray):
     library = GaitLibrary(folder, where="verdict == 'pass' and speed < 0.05")
     assert len(library) == int((np.hypot(*velocities[:, :2].T) < 0.05).sum())
     assert library.nearest(vx=9.0).figures["speed"] < 0.05
@@ -97,7 +97,7 @@ def test_which_gaits_are_looked_at_is_a_condition(folder: Path, velocities: np.n
         GaitLibrary(folder, where="sped > 99")
 
 
-def test_what_is_no_velocity_or_no_library_is_told(library: GaitLibrary, tmp_path: Path):
+def test_bad_velocities_and_missing_libraries_are_refused(library: GaitLibrary, tmp_path: Path):
     with pytest.raises(ConfigError, match="not finite"):
         library.nearest(vx=float("nan"))
     with pytest.raises(InputError, match="no gait library"):
@@ -107,14 +107,14 @@ def test_what_is_no_velocity_or_no_library_is_told(library: GaitLibrary, tmp_pat
         GaitLibrary(tmp_path)
 
 
-def test_a_library_is_read_where_nothing_can_be_written(folder: Path):
+def test_a_library_without_write_permission_is_read(folder: Path):
     """A finished manifest is one plain file; oracle: what is in the folder."""
     assert [path.name for path in folder.iterdir()] == [MANIFEST]
     GaitLibrary(folder).nearest()
     assert [path.name for path in folder.iterdir()] == [MANIFEST]
 
 
-def test_rows_come_as_asked(folder: Path, velocities: np.ndarray):
+def test_rows_are_filtered_sorted_and_limited(folder: Path, velocities: np.ndarray):
     where = "vx > 0.2 and walk.step_length == 0.02"
     table = query(folder, where, ["number", "vx"], order="vx", reverse=True, limit=5)
     wanted = [k for k in np.argsort(-velocities[:, 0]) if k % 3 == 2][:5]
@@ -126,7 +126,7 @@ def test_rows_come_as_asked(folder: Path, velocities: np.ndarray):
         query(folder, order="x")
 
 
-def test_csv_reads_back_to_the_last_bit(folder: Path, velocities: np.ndarray):
+def test_csv_reads_back_exactly(folder: Path, velocities: np.ndarray):
     table = query(folder, columns=["number", "vx", "reason"])
     lines = list(csv.DictReader(io.StringIO(to_csv(table).decode())))
     assert len(lines) == N + 2
@@ -143,13 +143,15 @@ def test_parquet_reads_back_with_types(folder: Path, velocities: np.ndarray):
     assert found["reason"].to_pylist()[-1] == "IkError"
 
 
-def test_without_pyarrow_the_remedy_is_told(folder: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_missing_pyarrow_is_reported_with_the_remedy(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
     with pytest.raises(MgsError, match=r"pip install 'mgs\[parquet\]'"):
         to_parquet(query(folder, limit=1))
 
 
-def test_the_report_counts_and_finds_files_that_are_gone(folder: Path):
+def test_the_report_counts_gaits_and_finds_missing_files(folder: Path):
     found = report(folder)
     assert found["verdicts"] == {"pass": N, "fail": 1, "infeasible": 1}
     assert found["reasons"] == {"rest": 1, "IkError": 1}

@@ -1,4 +1,4 @@
-"""Runs: the same files as the single command's, and nothing lost whatever happens."""
+"""Runs: files equal to those of the single command, and no loss after any interruption."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def copy(made: Made, tmp_path: Path) -> Path:
     return Path(shutil.copytree(made[0], tmp_path / "copy"))
 
 
-def test_every_gait_has_a_row_and_what_the_robot_can_do_a_file(made: Made, plan: Plan):
+def test_every_gait_has_a_row_and_every_feasible_gait_a_file(made: Made, plan: Plan):
     folder, summary = made
     found = rows(folder)
     assert [row["number"] for row in found] == list(range(len(plan.points)))
@@ -83,7 +83,9 @@ def test_every_gait_has_a_row_and_what_the_robot_can_do_a_file(made: Made, plan:
     assert hashes(folder) == {Path(r["file"]).name: r["sha256"] for r in found if r["file"]}
 
 
-def test_a_file_is_that_of_the_single_command_byte_by_byte(made: Made, plan: Plan, tmp_path: Path):
+def test_a_file_equals_that_of_the_single_command_byte_by_byte(
+    made: Made, plan: Plan, tmp_path: Path
+):
     """So too is the failure: the command says what the row says."""
     folder, found = made[0], rows(made[0])
     for number in (3, len(found) - 1):
@@ -119,7 +121,7 @@ def test_the_speed_is_that_of_the_steps(melson: Any, walk_5cm: Stages):
     assert figures["distance"] == pytest.approx(0.05, abs=1e-5)
 
 
-def test_a_velocity_held_for_the_time_of_the_steps_goes_where_an_arc_goes(melson: Any):
+def test_the_mean_velocity_of_an_arc_leads_along_the_arc(melson: Any):
     """The oracle moves a point by the constant velocity in its own frame."""
     motion = run_stages(melson, load_gait("melson/walk_arc"), "arc").motion
     figures = travel_figures(motion)
@@ -135,14 +137,14 @@ def test_a_velocity_held_for_the_time_of_the_steps_goes_where_an_arc_goes(melson
     assert np.hypot(*(gone - [x, y])) < 0.03 * np.hypot(*gone)
 
 
-def test_a_library_that_is_whole_has_nothing_to_do(copy: Path, made: Made, plan: Plan):
+def test_resuming_a_complete_library_makes_nothing(copy: Path, made: Made, plan: Plan):
     """No cluster is asked for, so that none need be there."""
     summary = run_batch(plan, recipe_of(plan), copy, resume=True, address="tcp://127.0.0.1:1")
     assert (summary.kept, summary.done) == (len(plan.points), 0)
     assert_same_library(copy, made[0])
 
 
-def test_only_what_is_missing_or_damaged_is_made_again(
+def test_resuming_makes_only_missing_and_damaged_gaits(
     copy: Path, made: Made, plan: Plan, address: str
 ):
     files = sorted((copy / "gaits").iterdir())
@@ -162,7 +164,7 @@ def test_only_what_is_missing_or_damaged_is_made_again(
     assert {name for name in before if after[name] != before[name]} == {"000005.mcap"}
 
 
-def test_a_library_is_not_written_over(copy: Path, plan: Plan):
+def test_a_library_is_not_overwritten(copy: Path, plan: Plan):
     with pytest.raises(MgsError, match="--resume"):
         run_batch(plan, recipe_of(plan), copy)
 
@@ -175,7 +177,7 @@ def test_a_library_is_not_written_over(copy: Path, plan: Plan):
         ({"base": "melson/walk_practical"}, "base gait, gait name differ"),
     ],
 )
-def test_another_sweep_does_not_go_on_with_a_library(
+def test_a_library_is_not_resumed_with_another_sweep(
     copy: Path, tmp_path: Path, change: dict[str, Any], told: str
 ):
     other = plan_sweep(write_sweep(tmp_path, **change))
@@ -184,7 +186,7 @@ def test_another_sweep_does_not_go_on_with_a_library(
     assert told in str(caught.value)
 
 
-def test_other_engines_or_another_robot_do_not_go_on_with_a_library(copy: Path, plan: Plan):
+def test_a_library_is_not_resumed_with_other_engines_or_another_robot(copy: Path, plan: Plan):
     import dataclasses
 
     recipe = recipe_of(plan)
@@ -202,7 +204,9 @@ def test_two_runs_do_not_share_a_folder(copy: Path, plan: Plan):
         run_batch(plan, recipe_of(plan), copy, resume=True)
 
 
-def test_no_scheduler_and_no_manifest_are_told(plan: Plan, tmp_path: Path, monkeypatch: Any):
+def test_a_missing_scheduler_and_a_damaged_manifest_are_refused(
+    plan: Plan, tmp_path: Path, monkeypatch: Any
+):
     monkeypatch.setattr("mgs.library.cluster.CONNECT_TIMEOUT", 0.5)
     with pytest.raises(MgsError, match="no Dask scheduler answers at tcp://127"):
         run_batch(plan, recipe_of(plan), tmp_path / "a", address="tcp://127.0.0.1:1")
@@ -216,9 +220,7 @@ def test_no_scheduler_and_no_manifest_are_told(plan: Plan, tmp_path: Path, monke
         run_batch(plan, recipe_of(plan), tmp_path / "c", resume=True)
 
 
-def test_a_run_that_has_made_nothing_leaves_room_for_another_sweep(
-    plan: Plan, tmp_path: Path, monkeypatch: Any
-):
+def test_a_folder_without_gaits_accepts_another_sweep(plan: Plan, tmp_path: Path, monkeypatch: Any):
     monkeypatch.setattr("mgs.library.cluster.CONNECT_TIMEOUT", 0.5)
     other = plan_sweep(write_sweep(tmp_path, axes={"walk.step_length": [0.01]}))
     for sweep in (plan, other):
@@ -226,7 +228,7 @@ def test_a_run_that_has_made_nothing_leaves_room_for_another_sweep(
             run_batch(sweep, recipe_of(sweep), tmp_path / "lib", address="tcp://127.0.0.1:1")
 
 
-def test_a_mistake_of_ours_is_told_of_its_gait_alone(plan: Plan, monkeypatch: pytest.MonkeyPatch):
+def test_an_unexpected_error_concerns_its_gait_alone(plan: Plan, monkeypatch: pytest.MonkeyPatch):
     def broken(*_: Any) -> None:
         raise ZeroDivisionError("a mistake")
 
@@ -237,7 +239,7 @@ def test_a_mistake_of_ours_is_told_of_its_gait_alone(plan: Plan, monkeypatch: py
     assert outcome.content is None
 
 
-def test_a_value_that_no_gait_may_have_is_infeasible(plan: Plan):
+def test_a_value_out_of_range_is_infeasible(plan: Plan):
     outcome = make_gait(recipe_of(plan), ("walk.step_length=7",))
     assert outcome.row["verdict"] == "infeasible"
     assert "less than or equal to 1 [m], found 7" in str(outcome.row["message"])
@@ -292,7 +294,7 @@ def deadly(address: str, plugin: Deadly) -> Iterator[None]:
             client.unregister_worker_plugin("deadly")
 
 
-def test_a_gait_that_kills_its_worker_twice_is_lost_and_stops_nothing(
+def test_a_gait_that_kills_its_worker_twice_is_lost_and_the_others_are_made(
     plan: Plan, made: Made, address: str, tmp_path: Path
 ):
     folder = tmp_path / "lib"
@@ -310,7 +312,7 @@ def test_a_gait_that_kills_its_worker_twice_is_lost_and_stops_nothing(
     assert_same_library(folder, made[0])
 
 
-def test_a_worker_lost_in_the_middle_costs_nothing(
+def test_gaits_of_a_lost_worker_are_made_again(
     plan: Plan, made: Made, address: str, tmp_path: Path
 ):
     folder = tmp_path / "lib"
@@ -335,9 +337,7 @@ def wait_for(folder: Path, n: int, process: subprocess.Popen[bytes]) -> None:
         time.sleep(0.005)
 
 
-def test_a_run_that_was_killed_goes_on(
-    sweep: Path, plan: Plan, made: Made, address: str, tmp_path: Path
-):
+def test_a_killed_run_is_resumed(sweep: Path, plan: Plan, made: Made, address: str, tmp_path: Path):
     folder = tmp_path / "lib"
     for n in (1, 4):
         process = start(sweep, folder, "--dask", address)
@@ -382,7 +382,7 @@ exit $code
 """
 
 
-def test_a_full_disk_is_told_and_the_run_goes_on_when_there_is_room(
+def test_a_full_disk_is_reported_and_the_run_is_resumed_with_more_space(
     sweep: Path, made: Made, address: str, tmp_path: Path
 ):
     folder = tmp_path / "disk"
@@ -409,7 +409,7 @@ def test_a_full_disk_is_told_and_the_run_goes_on_when_there_is_room(
     assert_same_library(Path(f"{folder}.lib"), made[0])
 
 
-def test_a_worker_has_one_thread_for_linear_algebra_and_the_robot_once(
+def test_a_worker_uses_one_thread_for_linear_algebra_and_builds_a_robot_once(
     plan: Plan, address: str, made: Made
 ):
     def told() -> tuple[str | None, int]:
@@ -425,9 +425,7 @@ MORE = {"walk.step_length": {"linspace": [0.0, 0.04, 20]}, "walk.first_support":
 
 
 @pytest.mark.slow
-def test_a_run_killed_ten_times_at_random_moments_ends_as_an_undisturbed_one(
-    address: str, tmp_path: Path
-):
+def test_a_run_killed_ten_times_equals_an_undisturbed_run(address: str, tmp_path: Path):
     """Moments while workers start and while gaits are made and written."""
     sweep = write_sweep(tmp_path, axes=MORE)
     plan, expected, folder = plan_sweep(sweep), tmp_path / "undisturbed", tmp_path / "lib"
@@ -455,9 +453,7 @@ def dask_process(kind: str, *options: str) -> subprocess.Popen[bytes]:
 
 
 @pytest.mark.slow
-def test_a_cluster_of_processes_that_loses_one_makes_all_and_nothing_twice(
-    address: str, tmp_path: Path
-):
+def test_a_cluster_that_loses_a_worker_makes_every_gait_once(address: str, tmp_path: Path):
     """A scheduler and two workers that know of each other by TCP alone, as on three machines."""
     plan = plan_sweep(write_sweep(tmp_path, axes=MORE))
     expected, folder = tmp_path / "undisturbed", tmp_path / "lib"

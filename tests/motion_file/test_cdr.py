@@ -1,4 +1,4 @@
-"""Our CDR encoder against rosbags', which shares no code with it."""
+"""Our CDR encoder compared with that of rosbags, which shares no code with it."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def test_every_message_is_byte_for_byte_that_of_rosbags(kind: str, data: st.Data
     stamp=st.tuples(st.integers(0, 2**31 - 1), st.integers(0, 10**9 - 1)),
     seed=st.integers(0, 2**32 - 1),
 )
-def test_slots_hold_what_a_message_encoded_by_itself_would(
+def test_slots_equal_the_bytes_of_a_message_encoded_alone(
     names: list[str], frame: str, stamp: tuple[int, int], seed: int
 ) -> None:
     kind, n = "sensor_msgs/JointState", len(names)
@@ -158,7 +158,7 @@ def test_decoding_refuses_a_byte_that_differs_outside_the_slots() -> None:
                 layout.decode(rows)
 
 
-def test_decoding_refuses_copies_of_one_number_that_differ() -> None:
+def test_decoding_refuses_different_values_in_slots_of_one_name() -> None:
     stamped = {"header": {"stamp": Slot("stamp", 2, "<i4")}}
     layout = message_layout("tf2_msgs/TFMessage", {"transforms": [stamped, stamped]})
     rows = layout.encode(1, {"stamp": np.ones((1, 2), dtype=np.int32)})

@@ -1,4 +1,4 @@
-"""Exported joint angles, read back by other people's code."""
+"""Exported joint angles, read back by other libraries."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_an_npz_file_reads_back_exactly(walk: Motion, whole: bool, tmp_path: Pat
 
 
 @pytest.mark.parametrize("fmt", FORMATS)
-def test_the_same_motion_gives_the_same_bytes_and_replaces_nothing_unasked(
+def test_an_export_is_reproducible_and_overwrites_nothing_unasked(
     walk: Motion, fmt: str, tmp_path: Path
 ):
     path = tmp_path / "a"
@@ -73,7 +73,7 @@ def test_the_same_motion_gives_the_same_bytes_and_replaces_nothing_unasked(
 
 
 @pytest.mark.parametrize("fmt", FORMATS)
-def test_a_file_that_cannot_be_written_is_told_and_leaves_nothing(
+def test_an_export_that_cannot_be_written_raises_an_error_and_leaves_no_file(
     walk: Motion, fmt: str, tmp_path: Path
 ):
     (tmp_path / "file").write_text("")

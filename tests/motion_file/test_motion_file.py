@@ -1,4 +1,4 @@
-"""Motion files: what we read back, what others read, and what must be refused.
+"""Motion files: reading back, reading by other libraries, and the refusal of damaged files.
 
 The oracles are rosbags, mcap's own reader with mcap_ros2's decoder, and Pinocchio.
 """
@@ -107,13 +107,13 @@ def test_a_motion_read_back_equals_the_one_written_bit_for_bit(motion: Motion, f
 
 
 @pytest.mark.parametrize("n_samples", [1, 2, 500, 501])
-def test_a_motion_of_any_length_comes_back(n_samples: int, melson: Robot, tmp_path: Path) -> None:
+def test_motions_of_any_length_are_read_back(n_samples: int, melson: Robot, tmp_path: Path) -> None:
     motion = random_motion(melson, n_samples)
     write_motion(motion, tmp_path / "a.mcap")
     assert_same(read_motion(tmp_path / "a.mcap"), motion)
 
 
-def test_a_balance_motion_comes_back_with_its_gait_and_its_torso(
+def test_a_balance_motion_is_read_back_with_its_gait_and_its_torso(
     melson: Robot, tmp_path: Path
 ) -> None:
     gait = balance_gait(
@@ -132,7 +132,7 @@ def test_a_balance_motion_comes_back_with_its_gait_and_its_torso(
     assert kinds["/torso_reference"] == "geometry_msgs/msg/QuaternionStamped"
 
 
-def test_a_generated_balance_motion_comes_back_though_nothing_is_asked_of_its_hands(
+def test_a_generated_balance_motion_without_hand_tasks_is_read_back(
     melson: Robot, tmp_path: Path
 ) -> None:
     motion = run_stages(melson, balance_gait(sine("com_y", 0.02))).motion
@@ -148,7 +148,7 @@ def test_the_same_motion_gives_the_same_bytes(motion: Motion, file: Path, tmp_pa
     assert paths[0].read_bytes() == paths[1].read_bytes()
 
 
-def test_what_is_in_a_file_is_told_without_decoding_messages(motion: Motion, file: Path) -> None:
+def test_read_info_describes_a_file_without_decoding_messages(motion: Motion, file: Path) -> None:
     info = read_info(file)
     json.dumps(info)  # fit for --json
     counts = {topic["topic"]: topic["messages"] for topic in info["topics"]}
@@ -163,7 +163,7 @@ def test_what_is_in_a_file_is_told_without_decoding_messages(motion: Motion, fil
     assert (values["gait"], values["dt"]) == (motion.gait_name, motion.dt)
 
 
-def test_importing_it_does_not_import_the_libraries_of_the_tests() -> None:
+def test_importing_motion_file_does_not_import_the_libraries_of_the_tests() -> None:
     code = "import mgs.motion_file, sys; print({'rosbags', 'mcap_ros2'} & set(sys.modules))"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "set()"
@@ -305,7 +305,7 @@ def test_joint_states_hold_angles_velocities_and_torques(messages: Any, motion: 
     assert np.array_equal([s.effort for s in states], motion.torque)
 
 
-def test_joint_commands_lie_beside_the_states_of_servos_with_a_stiffness(
+def test_joint_commands_are_written_for_servos_with_a_stiffness(
     messages: Any, motion: Motion
 ) -> None:
     if motion.robot.spec.name != "melson":  # the other robot's servos have none
@@ -429,14 +429,14 @@ def test_missing_folders_are_made(motion: Motion, tmp_path: Path) -> None:
     assert_same(read_motion(tmp_path / "a" / "b" / "c.mcap"), motion)
 
 
-def test_a_path_that_cannot_be_written_is_an_error_of_ours(motion: Motion, tmp_path: Path) -> None:
+def test_a_path_that_cannot_be_written_raises_an_mgs_error(motion: Motion, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(MgsError, match="cannot be written"):
         write_motion(motion, tmp_path / "file" / "a.mcap")
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt, MemoryError, OSError(28, "No space left")])
-def test_a_failure_in_the_middle_leaves_things_as_they_were(
+def test_a_failed_write_leaves_existing_files_unchanged(
     error: Any, motion: Motion, tmp_path: Path
 ) -> None:
     path = tmp_path / "a.mcap"

@@ -108,7 +108,7 @@ def test_a_rewritten_file_holds_the_same_motion_bit_for_bit(variant: str, tmp_pa
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
-def test_what_is_told_of_a_rewritten_file_is_what_is_told_of_ours(
+def test_read_info_describes_a_rewritten_file_like_the_original(
     variant: str, tmp_path: Path
 ) -> None:
     ours = read_info(stored(CONTENT, tmp_path))
