@@ -11,7 +11,6 @@ import pydantic
 import yaml
 
 from mgs.core.errors import ConfigError
-from mgs.core.explain import explain
 from mgs.core.short_text import clipped, shown
 
 MAX_BYTES = 1_000_000  # of a file; far above any gait or robot file, and small against memory
@@ -178,6 +177,8 @@ def build(
     try:
         return model.model_validate(tree, context=context)
     except pydantic.ValidationError as error:
+        from mgs.core.explain import explain  # needed for errors only
+
         items = error.errors(include_url=False)
         problems = [explain(model, item) for item in items[: ConfigError.MOST_TOLD]]
         raise ConfigError(source, problems, len(items)) from error

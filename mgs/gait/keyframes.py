@@ -131,8 +131,8 @@ class KeyframesParameters(Model):
             for name in ("com", "crouch", "torso", "left_hand", "right_hand"):
                 if getattr(key, name) is not None:
                     raise ValueError(
-                        f"keys.{i}.{name}: unknown without balance, which leaves the pose of the "
-                        "base open; name joints in posture, or leave out balance: off"
+                        f"keys.{i}.{name}: not possible without balance, because the pose of the "
+                        "base is not planned; name joints in posture, or leave out balance: off"
                     )
         return self
 

@@ -3,12 +3,7 @@
 from __future__ import annotations
 
 from mgs.gait import Gait, KeyframesGait, KickGait, PickUpGait, SequenceGait, WalkGait
-from mgs.motion_planner.balance import plan_balance
-from mgs.motion_planner.keyframes import plan_keyframes, plan_postures
-from mgs.motion_planner.kick import plan_kick
 from mgs.motion_planner.motion_plan import MotionPlan
-from mgs.motion_planner.pick_up import plan_pick_up
-from mgs.motion_planner.walk import plan_walk
 from mgs.robot import Robot
 
 
@@ -25,12 +20,23 @@ def plan_motion(robot: Robot, gait: Gait) -> MotionPlan:
     """
     if isinstance(gait, SequenceGait):
         raise TypeError("a sequence has a plan for each of its parts, not one of its own")
+    # Each branch imports its own planner, so that a walk loads no code of the other kinds.
     if isinstance(gait, WalkGait):
+        from mgs.motion_planner.walk import plan_walk
+
         return plan_walk(robot, gait)
     if isinstance(gait, KickGait):
+        from mgs.motion_planner.kick import plan_kick
+
         return plan_kick(robot, gait)
     if isinstance(gait, PickUpGait):
+        from mgs.motion_planner.pick_up import plan_pick_up
+
         return plan_pick_up(robot, gait)
     if isinstance(gait, KeyframesGait):
+        from mgs.motion_planner.keyframes import plan_keyframes, plan_postures
+
         return plan_keyframes(robot, gait) if gait.is_balanced else plan_postures(robot, gait)
+    from mgs.motion_planner.balance import plan_balance
+
     return plan_balance(robot, gait)

@@ -8,7 +8,6 @@ from mgs.core.progress import Progress
 from mgs.core.short_repr import short_repr
 from mgs.gait import Gait, SequenceGait
 from mgs.motion import Motion
-from mgs.pipeline.sequence import generate_sequence
 from mgs.pipeline.stages import run_stages
 from mgs.robot import Robot
 
@@ -40,6 +39,8 @@ def generate(
         SeamError: a part does not begin as the one before it ends.
     """
     if isinstance(gait, SequenceGait):
+        from mgs.pipeline.sequence import generate_sequence  # one gait needs no seams
+
         return Generated(*generate_sequence(robot, gait, name, progress))
     stages = run_stages(robot, gait, name, progress)
     return Generated(stages.motion, stages.seconds)

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 from mgs.motion_planner import BalancePlan, KeyframePlan, WalkPlan
-from mgs.trajectory_planner.balance import plan_balance_trajectories
-from mgs.trajectory_planner.keys import plan_key_trajectories
 from mgs.trajectory_planner.task_trajectory import TaskTrajectory
-from mgs.trajectory_planner.walk import plan_walk_trajectories
 
 
 def plan_trajectories(plan: WalkPlan | BalancePlan | KeyframePlan) -> TaskTrajectory:
@@ -17,8 +14,15 @@ def plan_trajectories(plan: WalkPlan | BalancePlan | KeyframePlan) -> TaskTrajec
     Raises:
         ComOutsideFeetError: the CoM is asked to go sideways beyond both feet.
     """
+    # Only the planner of this kind of plan is imported, see `mgs.motion_planner.plan`.
     if isinstance(plan, WalkPlan):
+        from mgs.trajectory_planner.walk import plan_walk_trajectories
+
         return plan_walk_trajectories(plan)
     if isinstance(plan, BalancePlan):
+        from mgs.trajectory_planner.balance import plan_balance_trajectories
+
         return plan_balance_trajectories(plan)
+    from mgs.trajectory_planner.keys import plan_key_trajectories
+
     return plan_key_trajectories(plan)

@@ -130,7 +130,7 @@ def test_footsteps_that_contradict_other_keys_are_refused(walk: dict, message: s
     ids=["none", "two", "an empty list"],
 )
 def test_a_walk_gives_its_way_by_exactly_one_key(walk: dict):
-    with pytest.raises(ValueError, match=r"give one of n_steps|at least 1 item"):
+    with pytest.raises(ValueError, match=r"exactly one of n_steps|at least 1 item"):
         plan(**walk)
 
 

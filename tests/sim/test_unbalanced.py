@@ -110,7 +110,10 @@ def test_an_unquoted_off_is_meant_as_written():
 @pytest.mark.parametrize(
     ("block", "message"),
     [
-        ("  balance: off\n  keys: [{time: 1.0, crouch: 3.0}]", "keys.0.crouch: without balance"),
+        (
+            "  balance: off\n  keys: [{time: 1.0, crouch: 3.0}]",
+            "keys.0.crouch: not possible without balance",
+        ),
         ("  lying: front\n  keys: [{time: 1.0}]", "lying is for motions without balance"),
         ("  balance: maybe\n  keys: [{time: 1.0}]", "input should be 'on' or 'off'"),
     ],
