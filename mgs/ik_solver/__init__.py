@@ -1,4 +1,4 @@
-"""Stage 4: from tasks to joint angles."""
+"""Stage 4: inverse kinematics, from task references and CoM motion to joint angles."""
 
 from mgs.ik_solver.joint_trajectory import JointTrajectory
 from mgs.ik_solver.residuals import refuse_speed

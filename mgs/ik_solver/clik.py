@@ -1,7 +1,7 @@
 """Closed-loop IK with a gradient-projected secondary task.
 
 Equations (9) to (14) of "Inverse kinematics of a humanoid robot modelled as a tree-shaped
-manipulator", called the Melson paper below. The task Jacobian J (m, n) has full row rank, m < n:
+manipulator". The task Jacobian J (m, n) has full row rank, m < n:
 
     q[k+1] = q[k] + dt v
     v  = v0 + J^T y,   (J J^T + damping^2 I) y = (t[k+1] - f(q[k])) / dt - J v0

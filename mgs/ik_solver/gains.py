@@ -72,5 +72,5 @@ def _refuse_stiff(key: str, gain: float, product: float, dt: float, robot: Robot
         raise ConfigError(
             f"ik.{key}",
             f"{gain:g} is too stiff for dt = {dt:g} s on {robot.spec.name}; "
-            f"below {gain / product:.3g}, or a smaller dt",
+            f"use a value below {gain / product:.3g}, or a smaller dt",
         )

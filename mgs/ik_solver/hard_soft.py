@@ -1,8 +1,10 @@
-"""IK1 to IK5: positions solved for directly, so that a leg may stretch and bend again.
+"""Inverse kinematics IK1 to IK5, which solve for positions: a leg may stretch and bend again.
 
-S. Faraji and A. J. Ijspeert, "Singularity-tolerant inverse kinematics for bipedal robots". Tasks
-f(q) are hard (h) or soft (s); soft ones have a slack that is weighed by Q, joint steps are damped
-by R. With E = x - f(q), v = q - q_prev, xdot dt = x[k] - x[k-1], per iteration:
+S. Faraji and A. J. Ijspeert, "Singularity-tolerant inverse kinematics for bipedal robots: an
+efficient use of computational power to reduce energy consumption", IEEE Robotics and Automation
+Letters 2(2), 2017. Tasks f(q) are hard (h) or soft (s); soft tasks have a slack with weights Q, and
+joint steps are damped by R. With E = x - f(q), v = q - q_prev and xdot dt = x[k] - x[k-1], each
+iteration solves:
 
     ik1  min |J_s dq - E_s|_Q^2 + |dq|_R^2   s.t.  J_h dq = E_h                 one iteration
     ik2  the same, n iterations; velocities from a second problem of the same form for xdot
@@ -10,9 +12,10 @@ by R. With E = x - f(q), v = q - q_prev, xdot dt = x[k] - x[k-1], per iteration:
     ik4  min |E_s - J_s dq + gamma (xdot dt - J_s (v + dq))|_Q^2 + |dq|_R^2     n iterations, within
     ik5  min |E_s - J_s dq|_Q^2 + gamma |xdot dt - J_s (v + dq)|_Q^2 + |dq|_R^2 n iterations, within
 
-With q_prev given the safety region is an interval for each joint (`safety_region`), so that each
-iteration is a small QP; R damps iterations, not the solution that they converge to. A robot with
-more joints than tasks is drawn to its half-sitting posture by a term of small weight.
+With q_prev given, the safety region is an interval for each joint (`safety_region`), so that each
+iteration is a small quadratic program (QP). R damps the iterations, not the solution to which they
+converge. A robot with more joints than tasks is drawn to its half-sitting posture by a term of
+small weight.
 """
 
 from __future__ import annotations
@@ -64,7 +67,9 @@ class FarajiIk:
         """Solver with the settings of a gait file."""
         iterations = parameters.iterations
         if iterations == 0:
-            raise ConfigError("ik.iterations", "0 leaves ik1 to ik5 nothing to do; at least 1")
+            raise ConfigError(
+                "ik.iterations", "0 iterations are too few; ik1 to ik5 need at least 1"
+            )
         return cls(
             method=int(parameters.solver.removeprefix("ik")),
             tuning=parameters.faraji,
@@ -145,7 +150,7 @@ class FarajiRun:
         self.hard, self.soft = parts_of(tuning.hard, tasks), parts_of(tuning.soft, tasks)
         if not self.hard:
             raise ConfigError(
-                "ik.faraji.hard", "nothing is asked of the hands in this motion; add another task"
+                "ik.faraji.hard", "both hands are free in this motion; add another task"
             )
         self.tasks = BodyTasks(self.robot, (*self.hard, *self.soft))
         self.targets = body_targets(self.tasks.parts, tasks, com)
@@ -155,7 +160,7 @@ class FarajiRun:
         self.steps_hard, self.steps_soft = np.split(self.targets.steps, [m_hard], axis=1)
 
     def _set_posture(self, tasks: TaskTrajectory) -> None:
-        """First configuration, and the posture that joints are drawn to with what weight."""
+        """First configuration, and the posture to which joints are drawn, with its weights."""
         robot, given = self.robot, self.solver.tuning.posture_weight
         self.q = robot.standing_q.copy()
         if tasks.start is not None:
@@ -189,8 +194,8 @@ class FarajiRun:
             half = 0.5 * (self.robot.upper - self.robot.lower).min()
             raise ConfigError(
                 "ik.faraji.margin",
-                f"{self.solver.tuning.margin:g} rad on either side leaves nothing of the range of "
-                f"{names[int(tight[0])]}; below {half:.4f} on this robot",
+                f"{self.solver.tuning.margin:g} rad on both sides leaves no range of motion of "
+                f"{names[int(tight[0])]}; use less than {half:.4f} rad on this robot",
             )
         outside = np.flatnonzero((joints < region.lower) | (joints > region.upper))
         if len(outside):
@@ -203,7 +208,7 @@ class FarajiRun:
             )
 
     def step(self, k: int) -> None:
-        """Go on to sample k."""
+        """Advance from sample k - 1 to sample k."""
         q_prev, solver = self.q, self.solver
         if solver.is_bounded:
             if self.region.interval(q_prev[FLOATING_BASE_NQ:], self.low, self.high):
@@ -216,7 +221,7 @@ class FarajiRun:
                 break
         if solver.is_bounded:
             joints = self.q[FLOATING_BASE_NQ:]
-            np.maximum(joints, self.low, out=joints)  # to rounding
+            np.maximum(joints, self.low, out=joints)  # DAQP meets bounds up to its tolerance
             np.minimum(joints, self.high, out=joints)
         if self.qp.elastic and solver.is_bounded:
             self.elastic.append(k)
@@ -225,7 +230,10 @@ class FarajiRun:
             self.velocities[k] = self._second_problem(k)
 
     def _leave_singularity(self) -> None:
-        """Start from bent limbs: at a singularity linearised hard rows contradict the bounds."""
+        """Bend stretched limbs first: at a singularity linearised hard rows contradict the bounds.
+
+        A joint near its stretched angle moves to the inner end of its interval.
+        """
         off = np.abs(self.q[FLOATING_BASE_NQ:][self.stretched] - self.stretched_at)
         if not (off < NEAR_STRETCHED).any():
             return
@@ -275,9 +283,11 @@ class FarajiRun:
         return dq[FLOATING_BASE_NV:] / self.dt
 
     def finish(self) -> JointTrajectory:
-        """The joint trajectory; raises IkError or JointLimitError where tasks or limits are missed.
+        """The joint trajectory, with the tasks measured anew instead of taken from iterations.
 
-        The hard tasks are measured anew at every sample, not taken from the last linearisation.
+        Raises:
+            IkError: a hard task is missed.
+            JointLimitError: a joint leaves its range.
         """
         errors = measure_tasks(self.tasks, self.targets, self.configurations)
         joints = self.configurations[:, FLOATING_BASE_NQ:].copy()

@@ -1,11 +1,11 @@
-"""A smooth wall before the joint limits, finite beyond them too.
+"""A smooth barrier function of the joint limits that is finite beyond them, too.
 
     - log s                                            for s > delta
     1/2 ((s - 2 delta) / delta)^2 - 1/2 - log delta    below, twice differentiable in between
 
-of the room s that a joint has to each of its limits, as a part of its range. Relaxed barrier of
-Hauser and Saccon, "A barrier function method for the optimization of trajectory functionals with
-constraints", CDC 2006. Half the room on both sides counts as 0.
+where s is the distance of a joint from each of its limits, relative to its range. This is the
+relaxed barrier of J. Hauser and A. Saccon, "A barrier function method for the optimization of
+trajectory functionals with constraints", CDC 2006, shifted so that it is 0 in mid-range.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def limit_barrier(q: Array, lower: Array, upper: Array) -> tuple[float, Array, A
 
 
 def _wall(s: Array) -> tuple[Array, Array, Array]:
-    """Value and two derivatives by the room s."""
+    """Value, first and second derivative by the distance s."""
     inside = np.maximum(s, DELTA)
     beyond = np.minimum(s, DELTA) / DELTA - 1.0  # 0 inside
     value = -np.log(inside) - beyond + 0.5 * beyond**2

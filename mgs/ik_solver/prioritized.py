@@ -1,9 +1,9 @@
-"""Whole-body IK by strict priorities on a floating base held by constraints.
+"""Whole-body inverse kinematics with strict priorities, on a floating base held by constraints.
 
 M. Mistry, J. Nakanishi, G. Cheng and S. Schaal, "Inverse kinematics with floating base and
 constraints for full body humanoid robot control", Humanoids 2008. Levels A (critical: soles and
 CoM), B (functional: hands) and E (extraneous: torso and CoM height); `priority_levels` solves them.
-With error e = x_ref - x at the sample before, kappa the share of it taken back:
+With the error e = x_ref - x at the sample before and the share kappa of it that is corrected:
 
     prioritized:   q[k] = q[k-1] + dt v,   level rates  (x_ref[k] - x_ref[k-1] + kappa e) / dt
     prioritized-acceleration:  v[k] = v[k-1] + dt a,   q[k] = q[k-1] + dt v[k]           (20)-(22)
@@ -12,14 +12,14 @@ With error e = x_ref - x at the sample before, kappa the share of it taken back:
         edot = (x_ref[k-1] - x_ref[k-2]) / dt - (J v - dt/2 Jdot v)
 
 The bracket in edot is the speed of the last step, (x[k-1] - x[k-2]) / dt: with J v in its place a
-turning limb would keep an error that grows as dt^2. Soles take Kd dt = 1, Kp dt^2 = kappa: what v
-holds against the constraints is taken out at once, as a projection by N_A would.
+turning limb would keep an error that grows as dt^2. Soles take Kd dt = 1 and Kp dt^2 = kappa, so
+that velocities which violate the constraints are removed at once, as by the projection N_A.
 
-Where no level asks for anything the joints are drawn to the half-sitting posture. In single support
-the swing sole is no constraint: it moves from level A to B after lift-off, and back before landing.
+Directions that no level determines are drawn to the half-sitting posture. In single support the
+swing sole is not a constraint: it moves from level A to B after lift-off, and back before landing.
 Both sets of constraints meet the common ones exactly, and so does any blend of their solutions.
-A lower level that cannot be met may drive the joints so fast that the curvature of a step shows in
-level A, and the projected form misses a swing sole in level B: a Newton step then brings them back.
+A lower level that cannot be met may move the joints so fast that the curvature of a step shows in
+level A, and the projected form misses a swing sole in level B. A Newton step then corrects both.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from mgs.com_generator import ComTrajectory
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.core.contact import Side, Support
-from mgs.core.errors import IkError
+from mgs.core.errors import InfeasibleGaitError
 from mgs.core.progress import Progress, samples_reported
 from mgs.core.spans import span_starts
 from mgs.gait import IkParameters, PrioritizedParameters
@@ -148,7 +148,7 @@ class PrioritizedRun:
             self.q[FLOATING_BASE_NQ:] = tasks.start
         self.posture = self.q[FLOATING_BASE_NQ:].copy()  # redundant joints approach it
         self.error, self.rates, self.bias = np.zeros((3, self.tasks.m))
-        self.free = np.zeros(robot.model.nv)  # motion where no level asks for anything
+        self.free = np.zeros(robot.model.nv)  # motion that no level determines
         self.configurations = np.empty((tasks.n_samples, robot.model.nq))
         self.corrections = 0
 
@@ -179,14 +179,14 @@ class PrioritizedRun:
         self.largest = CATCH_UP * self.dt / kappa
         self.posture_damping = min(POSTURE_DAMPING, 0.5 / self.dt)
         self.bound = CONFLICT_SPEED * (self.posture_damping if acceleration else 1.0)
-        # A lower level need not ask for what no joint can do.
+        # Below this lag a level in conflict could ask for more than the fastest joint can do.
         fastest = float(self.robot.speed_limit.max()) / (self.dt if acceleration else 1.0)
         self.least_behind = self.bound / fastest
 
     def start(self) -> None:
-        """Bring q from the half-sitting posture onto the first sample, as near to it as can be.
+        """Bring q from the half-sitting posture onto the first sample, by Newton steps.
 
-        Newton steps of all levels; joints left over come as near to the posture as they can.
+        Redundant joints stay as near to the posture as the tasks permit.
         """
         for _ in range(MAX_START_ITERATIONS):
             self._measure(0)
@@ -202,7 +202,7 @@ class PrioritizedRun:
         self._check_phase(0)
 
     def step(self, k: int) -> None:
-        """Go on from sample k - 1, where `start` or the last step has measured the tasks, to k."""
+        """Advance from sample k - 1, at which the tasks have been measured, to sample k."""
         np.clip(self.error, -self.largest, self.largest, out=self.error)
         if self.solver.acceleration:
             self._set_accelerations(k)
@@ -221,9 +221,9 @@ class PrioritizedRun:
             self._check_phase(k)
 
     def _correct(self, k: int) -> None:
-        """Bring critical tasks back, the swing sole too, where they are missed by too much.
+        """Correct critical tasks and the swing sole where they are missed by too much.
 
-        Lower levels, as far as they can be met, do not move in this.
+        Lower levels do not move in this correction, as far as they can be met.
         """
         for _ in range(MAX_CORRECTIONS):
             critical = self.error[: self.m_critical]
@@ -233,18 +233,18 @@ class PrioritizedRun:
             np.copyto(self.rates, self.error)
             self.rates[self.m_critical :] = 0.0
             self.free[:] = 0.0
-            self.error[:] = 0.0  # only A is behind
+            self.error[:] = 0.0  # only level A lags
             dq = self._solve(self.sets[Support.DOUBLE], k, self.rates)
             self.q = pin.integrate(self.robot.model, self.q, dq)
             self._measure(k)
 
     def _measure(self, k: int) -> None:
-        """Jacobian at q and error against the references of sample k."""
+        """Update the Jacobian at q and the error against the references of sample k."""
         self.tasks.update(self.q)
         self.tasks.error(self.targets.x[k], self.targets.rotations[k], self.error)
 
     def _set_accelerations(self, k: int) -> None:
-        """Fill the level rates of (18), and the acceleration that is free, for the step to k."""
+        """Fill the rates of eq. (18) and the acceleration of free directions for the step to k."""
         steps, dt, rates = self.targets.steps, self.dt, self.rates
         self.jacobian_rate.product(self.q, self.v, self.bias)
         np.dot(self.tasks.J, self.v, out=rates)
@@ -259,14 +259,14 @@ class PrioritizedRun:
         self.free *= self.posture_damping
 
     def _set_posture_velocity(self) -> None:
-        """Fill the velocity that joints follow where no level asks for anything."""
+        """Fill the velocity of the directions that no level determines."""
         free, joints = self.free, self.q[FLOATING_BASE_NQ:]
         free[:FLOATING_BASE_NV] = 0.0
         np.subtract(self.posture, joints, out=free[FLOATING_BASE_NV:])
         free *= POSTURE_RATE
 
     def _blend(self, k: int) -> Array:
-        """Solution (6 + n,) of the set that holds at sample k, or between two in a handover."""
+        """Solution (6 + n,) of the constraints at sample k, a blend of two sets in a handover."""
         factor = float(self.handover[k])
         both, single = self.sets[Support.DOUBLE], self.sets[Support(self.support[k])]
         if factor == 0.0 or single is both:
@@ -283,12 +283,12 @@ class PrioritizedRun:
                 self.tasks.J, rates, self.error, self.free, self.bound, self.least_behind
             )
         except np.linalg.LinAlgError as error:
-            raise IkError(
-                k * self.dt, f"the set of critical tasks ({error})", np.inf, 0.0, ""
+            raise InfeasibleGaitError(
+                f"t = {k * self.dt:.3f} s: the priority levels have no solution: {error}"
             ) from error
 
     def _check_phase(self, k: int) -> None:
-        """Refuse constraints that tasks cannot be controlled with, and note their ranks."""
+        """Note the ranks of the constraints; raises ConfigError where they do not suffice."""
         support = Support(self.support[k])
         soles = [self.tasks.rows[SOLES[side]] for side in support.sides]
         J_C = np.concatenate([self.tasks.J[rows] for rows in soles])
@@ -299,9 +299,11 @@ class PrioritizedRun:
         self.phases[kind] = (start, count + 1)
 
     def finish(self) -> JointTrajectory:
-        """The joint trajectory; raises IkError or JointLimitError where A or limits are missed.
+        """The joint trajectory, with every task measured anew at every sample.
 
-        Every task is measured anew at every sample.
+        Raises:
+            IkError: a critical task is missed.
+            JointLimitError: a joint leaves its range.
         """
         errors = measure_tasks(self.tasks, self.targets, self.configurations)
         joints = self.configurations[:, FLOATING_BASE_NQ:].copy()

@@ -2,8 +2,9 @@
 
     min 1/2 x^T H x + g^T x   s.t.   A x = b,   low <= x_joints <= high
 
-Solved by DAQP, a dual active-set method (Arnstroem, Bemporad, Axehill, IEEE Trans. Automatic
-Control 67(8), 2022), chosen by measurement on these problems (docs/benchmarks.md).
+It is solved by DAQP (D. Arnstroem, A. Bemporad and D. Axehill, "A dual active-set solver for
+embedded quadratic programming using recursive LDL^T updates", IEEE Trans. Automatic Control 67(8),
+2022), the fastest of the solvers compared on these problems in docs/benchmarks.md.
 """
 
 from __future__ import annotations
@@ -16,10 +17,10 @@ from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NV
 
 EQUALITY = 5  # DAQP's mark of an equality
-FREE = 1e30  # the bound of what has none
-ELASTIC_WEIGHT = 1e6  # of the equalities where they cannot be met
-TOLERANCE = 1e-9  # of DAQP, on bounds and equalities
-SOLVED = 1  # DAQP's exit flag
+FREE = 1e30  # the bound of a free unknown
+ELASTIC_WEIGHT = 1e6  # of squared equalities where they contradict the bounds
+TOLERANCE = 1e-9  # of DAQP for bounds and equalities
+SOLVED = 1  # exit flag of DAQP
 SINGULAR = 1e-12  # damping of dependent equalities, relative to the mean curvature
 
 
@@ -28,7 +29,9 @@ class BoundedQp:
 
     Attributes:
         lam: (n + m,) multipliers of the last solve, bounds first; positive at an upper bound.
-        elastic: whether the last solve had to give up the equalities.
+        lower, upper: (n + m,) bounds, and below them the right sides of the equalities.
+        low, high: (n - 6,) views of the joints' bounds, which the caller fills.
+        elastic: whether the equalities of the last problem contradicted its bounds.
     """
 
     def __init__(self, n: int, m: int) -> None:
@@ -41,10 +44,13 @@ class BoundedQp:
         self.elastic = False
 
     def solve(self, H: Array, g: Array, A: Array, b: Array) -> Array:
-        """Minimiser (n,) for the bounds in `low` and `high` (n - 6,).
+        """Minimiser (n,) for the bounds in `low` and `high`.
 
-        Where bounds and equalities contradict each other the equalities are met as far as the
-        bounds permit, in the least-squares sense.
+        Where bounds and equalities contradict each other, the equalities are met in the
+        least-squares sense as far as the bounds permit.
+
+        Raises:
+            ArithmeticError: DAQP finds no minimiser.
         """
         self.upper[self.n :] = b
         self.lower[self.n :] = b
@@ -80,7 +86,8 @@ def kkt_residual(
 ) -> float:
     """Largest violation of the optimality conditions by x (n,) with multipliers lam (n + m,).
 
-    `bounds` (2, n) are lower and upper ones. Stationarity, feasibility, complementarity and signs.
+    The conditions are stationarity, feasibility, complementarity and the signs of the multipliers;
+    `bounds` (2, n) are the lower and the upper ones.
     """
     n = len(x)
     at_bounds, at_equalities = lam[:n], lam[n:]

@@ -1,22 +1,23 @@
-"""The null-space motion of a whole motion at once.
+"""Inverse kinematics that optimises the null-space motion of a whole trajectory at once.
 
     min over q_0 .. q_N-1   sum_k [ weight_joint H_joint(q_k) + weight_grav H_grav(q_k) ] dt
                             + sum_k [ weight_limit barrier(q_k) + weight_acceleration |qdd_k|^2 ] dt
     s.t.                    every task of every sample met
 
-qdd are second differences, the robot being at rest before and after. Both ends are free: a motion
-begins and ends in the best posture for its stance, so that one follows on another. With `start`
-"posture" its first two samples stay those of the closed-loop IK, which begins as close to the
-half-sitting posture as its tasks let it.
+qdd are second differences; the robot is at rest before and after. Both ends are free: a motion
+begins and ends in the best posture for its stance, so that motions can follow each other. With
+`start` "posture" the first two samples stay those of the closed-loop IK, which begins as close to
+the half-sitting posture as the tasks permit.
 
-Gauss-Newton in the null spaces: with Z_k an orthonormal basis of that of the task Jacobian J_k,
+The method is Gauss-Newton in the null spaces. With an orthonormal basis Z_k of the null space of
+the task Jacobian J_k,
 
     q_k <- q_k + step Z_k z_k,    A z = -Z^T grad    (A symmetric, positive definite, banded)
 
-where A holds the curvature of H_joint, dtau^T W dtau of H_grav and the second differences. Newton
-steps J^+ error then bring every sample back onto its tasks. `step` is halved until the objective
-falls, so that it falls in every iteration. It costs O(N). H_grav and W are those of `clik`; in
-double support they are continued as `double_support` says.
+where A contains the curvature of H_joint, dtau^T W dtau of H_grav and the second differences.
+Newton steps J^+ error then bring every sample back onto its tasks. `step` is halved until the
+objective falls, so that it falls in every iteration. An iteration takes O(N) operations. H_grav and
+W are those of `clik`; the option `double_support` defines the torques in double support.
 """
 
 from __future__ import annotations
@@ -43,10 +44,10 @@ from mgs.ik_solver.tree.tasks import N_TASKS
 from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
 
-PINNED = 2  # samples that start = posture keeps
-ON_TASK = 1e-7  # [m] and [rad], error left by the Newton steps
-FAR = 0.3  # [m] and [rad], error from which they are not tried
-NEAR = 3e-3  # [m] and [rad], error below which the Jacobians are kept
+PINNED = 2  # samples at the beginning that do not move with start: posture
+ON_TASK = 1e-7  # [m] and [rad], task error at which Newton steps end
+FAR = 0.3  # [m] and [rad], task error above which no Newton steps are tried
+NEAR = 3e-3  # [m] and [rad], task error below which the Jacobians are kept
 MAX_CORRECTIONS = 12
 MAX_HALVINGS = 12
 SUFFICIENT = 1e-4  # part of the decrease predicted by the gradient that a step has to bring
@@ -106,7 +107,7 @@ class TrajectoryReport:
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A motion on its tasks, and what is known about it."""
+    """A motion that meets its tasks, with its errors, Jacobians, torques and objective."""
 
     q: Array  # (N, n)
     error: Array  # (N, m)
@@ -144,10 +145,10 @@ class Problem:
         self.weight_acceleration = tuning.weight_acceleration / self.dt**3
 
     def at(self, q: Array) -> Point | None:
-        """The motion near q (N, n) that meets the tasks; None if Newton's steps do not find it.
+        """The motion near q (N, n) that meets the tasks; None if Newton steps do not find it.
 
-        Jacobians are renewed as long as the errors are large: those of the point are exact but for
-        terms of `NEAR`.
+        Jacobians are renewed as long as the errors are large; those of the result are exact up to
+        terms of the size `NEAR`.
         """
         error, J = self.batch.tasks_at(q)
         for _ in range(MAX_CORRECTIONS):
@@ -199,7 +200,7 @@ class Problem:
         return np.ascontiguousarray(Q[:, :, m:])
 
     def newton(self, point: Point) -> tuple[Array, float]:
-        """Step (N, n) and the fall of the objective that it promises to first order."""
+        """Step (N, n) and the decrease of the objective that it predicts to first order."""
         Z = self.null_spaces(point)
         g = (self.gradient(point)[:, None] @ Z)[:, 0]
         T = point.dtau @ Z
@@ -222,14 +223,18 @@ class Problem:
 def minimise(
     problem: Problem, q: Array, progress: Progress | None = None
 ) -> tuple[Point, list[float]]:
-    """The motion found from q (N, n), and the objective after each iteration."""
+    """The motion found from q (N, n), and the objective at the start and after each iteration.
+
+    Raises:
+        ArithmeticError: Newton steps do not bring q onto its tasks.
+    """
     here = problem.at(q)
     if here is None:
         raise ArithmeticError("Newton's method does not bring the closed-loop IK onto its tasks")
     history = [here.objective]
     tuning = problem.tuning
     for iteration in range(tuning.iterations):
-        if progress is not None:  # in samples, as of all solvers
+        if progress is not None:  # in samples, as with all solvers
             progress(len(q) * iteration // tuning.iterations, len(q))
         step, fall = problem.newton(here)
         if fall < tuning.tolerance * here.objective:
@@ -247,7 +252,10 @@ def minimise(
 
 
 def _search(problem: Problem, here: Point, step: Array, fall: float) -> Point | None:
-    """The first motion along step (N, n), halved again and again, that falls enough."""
+    """The motion after the longest part of a step (N, n) that lowers the objective enough.
+
+    The step is halved until it does; None if no part of it does.
+    """
     size = 1.0
     for _ in range(MAX_HALVINGS):
         found = problem.at(here.q + size * step)

@@ -1,1 +1,1 @@
-"""Inverse kinematics of a robot on a floating base, both soles among its tasks."""
+"""Inverse kinematics of a robot with a floating base; both soles are among its tasks."""

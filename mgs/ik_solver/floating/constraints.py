@@ -1,4 +1,4 @@
-"""Soles as constraints of a floating base: what they determine, and when they change.
+"""Soles as constraints of a floating base: what they determine and when they change.
 
 Conditions (2), (3) and eq. (10) of M. Mistry, J. Nakanishi, G. Cheng and S. Schaal, "Inverse
 kinematics with floating base and constraints for full body humanoid robot control", Humanoids 2008.
@@ -22,15 +22,15 @@ from mgs.ik_solver.floating.parts import SOLES, Part
 from mgs.ik_solver.floating.priority_levels import PriorityLevels
 from mgs.ik_solver.floating.tasks import BodyTasks
 
-LAG = 0.01  # [m] and [rad], error that counts as full conflict
-RANK_TOLERANCE = 1e-6  # part of the largest singular value
+LAG = 0.01  # [m] and [rad], task error at which a level counts as in full conflict
+RANK_TOLERANCE = 1e-6  # smallest singular value that counts, relative to the largest
 
 
 def feasibility(J_C: Array) -> tuple[int, int]:
     """Ranks of constraints J_C (k, 6 + n) and of their base part.
 
-    Tasks can be controlled where the first is k, not over-constrained, and the second is 6, not
-    under-constrained.
+    Tasks can be controlled where the first rank is k and the second rank is 6. A smaller first rank
+    means an over-constrained robot, a smaller second rank an under-constrained one.
     """
     return rank_of(J_C), rank_of(J_C[:, :FLOATING_BASE_NV])
 
@@ -42,9 +42,12 @@ def rank_of(J: Array) -> int:
 
 
 def base_velocity(J_C: Array, qdot_r: Array) -> Array:
-    """Base twist (6,) in the base frame at joint velocities (n,) that keep J_C qdot = 0; eq. (10).
+    """Base twist (6,) in the base frame for joint velocities qdot_r (n,) under J_C qdot = 0.
 
-    -(J_C^b)^+ J_C^r qdot_r; raises LinAlgError where the constraints leave the base free.
+    Eq. (10): -(J_C^b)^+ J_C^r qdot_r.
+
+    Raises:
+        numpy.linalg.LinAlgError: the constraints leave the base free.
     """
     J_b, J_r = J_C[:, :FLOATING_BASE_NV], J_C[:, FLOATING_BASE_NV:]
     if rank_of(J_b) < FLOATING_BASE_NV:
@@ -53,12 +56,15 @@ def base_velocity(J_C: Array, qdot_r: Array) -> Array:
 
 
 def refuse_infeasible(t: float, J_C: Array, J_A: Array) -> tuple[int, int, int]:
-    """Ranks of J_C, of its base part and of J_A; raises ConfigError where they do not suffice.
+    """Ranks of J_C, of its base part and of J_A.
 
     Args:
-        t: when the constraints begin [s].
+        t: time at which the constraints begin [s].
         J_C: rows of the constraints (k, 6 + n).
         J_A: rows of all critical tasks (m, 6 + n).
+
+    Raises:
+        ConfigError: the ranks do not suffice to control the tasks.
     """
     rank, base_rank = feasibility(J_C)
     critical_rank = rank_of(J_A)
@@ -83,7 +89,7 @@ def refuse_infeasible(t: float, J_C: Array, J_A: Array) -> tuple[int, int, int]:
 
 
 def handover_profile(support: NDArray[np.int8], dt: float, handover: float) -> Array:
-    """Factor (N,): 0 where both soles are constraints, 1 where the swing sole is none.
+    """Factor (N,): 0 where both soles are constraints, 1 where only the support sole is one.
 
     It rises after lift-off and falls before landing, over `handover` [s] or half the phase.
     """
@@ -98,7 +104,11 @@ def handover_profile(support: NDArray[np.int8], dt: float, handover: float) -> A
 
 
 class ConstraintSet:
-    """The levels while the soles of one kind of support are constraints."""
+    """The levels of tasks while the soles of one kind of support are constraints.
+
+    Attributes:
+        critical: (m,) rows of the tasks in level A.
+    """
 
     def __init__(
         self,
@@ -127,9 +137,9 @@ class ConstraintSet:
     def solve(
         self, J: Array, rates: Array, error: Array, free: Array, bound: float, least: float
     ) -> Array:
-        """Solution (6 + n,) for rows as in `BodyTasks`; see `PriorityLevels.solve`.
+        """Solution (6 + n,) for rows in the order of `BodyTasks`; see `PriorityLevels.solve`.
 
-        Levels count as behind by the square of their error, and by `least` at least.
+        The lag of a level grows with the square of its error and is never below `least`.
         """
         np.take(J, self.index, axis=0, out=self.J, mode="clip")
         np.take(rates, self.index, out=self.rates, mode="clip")

@@ -8,10 +8,10 @@ constraints for full body humanoid robot control", Humanoids 2008. Level 1 comes
     N_i = I - Q_i^T Q_i,   N_(i+1) = N_i - Z_i^T Z_i                                            (17)
     Z_i = L_i^-1 J_i N_i,   L_i L_i^T = J_i N_i J_i^T + lambda^2 I
 
-Q_i stacks the Z of the levels before i, orthonormal rows as long as lambda = 0. All Z_i lie in the
-null space of level 1, damped or not: the form N_A N_AB^lambda of footnote 3. lambda is 0 for level
-1, and for a lower level until the smallest pivot of J_i N_i J_i^T says that it is about to conflict
-with those above.
+Q_i stacks the Z of the levels before i; its rows are orthonormal as long as lambda = 0. All Z_i lie
+in the null space of level 1, damped or not: the form N_A N_AB^lambda of footnote 3. lambda is 0 for
+level 1. For a lower level it is 0 until the smallest pivot of J_i N_i J_i^T shows that the level is
+about to conflict with those above it.
 """
 
 from __future__ import annotations
@@ -24,35 +24,36 @@ from scipy.linalg import blas, lapack
 
 from mgs.core.arrays import Array
 
-CONFLICT = 0.02  # part of the robot's size; a lower level's lever arm below it counts as a conflict
-DEPENDENT = 1e-12  # part of the largest squared row, pivot of rows that depend on each other
+CONFLICT = 0.02  # lever arm of a lower level below which it conflicts, relative to the robot's size
+DEPENDENT = 1e-12  # pivot of rows that depend on each other, relative to the largest squared row
 
 
 class PriorityLevels:
     """Velocities (or accelerations) that meet stacked tasks in the order of their levels.
 
     Attributes:
-        Q: (m, 6 + n) the Z of all levels at the last solution.
+        Q: (m, 6 + n) matrices Z of all levels at the last solution.
+        rows: rows of each level.
     """
 
     def __init__(self, sizes: Sequence[int], nv: int, size: float, projected: bool = False) -> None:
         """Reserve buffers for the largest problem.
 
         Args:
-            sizes: rows of each level, 0 for none.
-            nv: velocities 6 + n.
+            sizes: number of rows of each level, 0 for an empty one.
+            nv: number of generalised velocities, 6 + n.
             size: a length of the robot [m], to which lever arms are compared.
-            projected: eq. (16) as printed instead of the tracking form.
+            projected: use eq. (16) as printed instead of the tracking form.
         """
         bounds = [0, *itertools.accumulate(sizes)]
         self.rows = [slice(start, stop) for start, stop in itertools.pairwise(bounds)]
         self.projected = projected
         self.conflict2 = (CONFLICT * size) ** 2
         self.Q = np.zeros((bounds[-1], nv))
-        # written through their transposes, which are in Fortran order
+        # LAPACK works on their transposes, which are in Fortran order
         self._M = [np.empty((m, m)) for m in sizes]
         self._across = [np.empty((m, rows.start)) for m, rows in zip(sizes, self.rows, strict=True)]
-        self._conflict = 0.0  # of the last factor: 0 none, 1 the rows depend on each other
+        self._conflict = 0.0  # of the last level: 0 none, 1 its rows depend on higher ones
 
     def solve(
         self,
@@ -62,15 +63,18 @@ class PriorityLevels:
         bound: float = np.inf,
         behind: Sequence[float] = (0.0, 0.0, 0.0),
     ) -> Array:
-        """Solution (6 + n,); raises LinAlgError where rows of the first level depend on each other.
+        """Generalised velocity (or acceleration) (6 + n,) that meets the levels in their order.
 
         Args:
             J: (m, 6 + n) Jacobian in the order of the levels.
-            rates: (m,) what is asked of them.
-            free: (6 + n,) followed where no level asks for anything.
-            bound: most that a lower level may add to any entry in full conflict, where it asks for
-                speed without end. It fades with the conflict.
-            behind: how far each level is known to lag, 0 to 1: full conflict.
+            rates: (m,) task velocities (or accelerations) to meet.
+            free: (6 + n,) motion in the directions that no level determines.
+            bound: largest entry that a lower level in full conflict may add, since its solution
+                grows without limit there. The bound is widened as the conflict fades.
+            behind: lag of each level from 0, none, to 1, which counts as full conflict.
+
+        Raises:
+            numpy.linalg.LinAlgError: rows of the first level depend on each other.
         """
         v = np.zeros(J.shape[1])
         for level, rows in enumerate(self.rows):
@@ -92,12 +96,15 @@ class PriorityLevels:
         return v
 
     def projector(self, level: int) -> Array:
-        """N (6 + n, 6 + n) of the levels above `level` at the last solution; 3: of all three."""
+        """Projector N (6 + n, 6 + n) of the levels above `level` at the last solution.
+
+        The level after the last one stands for all levels.
+        """
         above = self.Q[: self.rows[level].start] if level < len(self.rows) else self.Q
         return np.eye(self.Q.shape[1]) - above.T @ above
 
     def _project(self, level: int, J: Array) -> Array:
-        """Put Z of one level into Q; its Cholesky factor L, in Fortran order."""
+        """Compute Z of one level into Q; returns its Cholesky factor L in Fortran order."""
         rows, M = self.rows[level], self._M[level]
         K, above = self.Q[rows], self.Q[: rows.start]
         if rows.start:
@@ -111,10 +118,10 @@ class PriorityLevels:
         return L
 
     def _factor(self, M: Array, is_first: bool) -> Array:
-        """Cholesky factor of M + lambda^2 I, in Fortran order.
+        """Cholesky factor of M + lambda^2 I in Fortran order.
 
-        Pivots are the squared distances of a row to the span of those before it. lambda grows from
-        0 as the smallest one falls below its limit, so that solutions stay continuous.
+        A pivot is the squared distance of a row from the span of the rows before it. lambda grows
+        from 0 as the smallest pivot falls below its limit, so that solutions stay continuous.
         """
         self._conflict = 0.0
         L, info = lapack.dpotrf(M.T, lower=1, clean=0)
@@ -128,11 +135,11 @@ class PriorityLevels:
             M.ravel()[:: len(M) + 1] += self.conflict2 * self._conflict
             L, info = lapack.dpotrf(M.T, lower=1, clean=0)
             if info != 0:
-                raise np.linalg.LinAlgError("tasks are not finite")
+                raise np.linalg.LinAlgError("the task Jacobian is not finite")
         return L
 
     def _projected_step(self, level: int, J: Array, rates: Array) -> Array:
-        """N J^+ rates (6 + n,) of one level, N of the levels above."""
+        """N J^+ rates (6 + n,) of one level, with N the projector of the levels above."""
         M = self._M[level]
         np.dot(J, J.T, out=M)
         L = self._factor(M, is_first=level == 0)

@@ -1,7 +1,9 @@
-"""The region of joint positions and speeds that a joint can always be stopped from.
+"""The region of joint positions and speeds from which a joint can always be stopped.
 
-Eq. (6) of Faraji and Ijspeert, "Singularity-tolerant inverse kinematics for bipedal robots": an
-ellipse over position and speed, as wide as the joint's range and as high as its largest speed,
+Eq. (6) of S. Faraji and A. J. Ijspeert, "Singularity-tolerant inverse kinematics for bipedal
+robots: an efficient use of computational power to reduce energy consumption", IEEE Robotics and
+Automation Letters 2(2), 2017: an ellipse over position and speed, as wide as the joint's range and
+as high as its largest speed,
 
     (2 q - (ql + qu))^2 / (qu - ql - 2 qs)^2 + (qdot / qdot_max)^2 <= 1 .
 
@@ -11,8 +13,9 @@ exactly an interval of q. With h = (qu - ql) / 2 - qs, d = dt qdot_max, m = (ql 
     a = 1 / h^2,  b = 1 / d^2,  q in [c - r, c + r],
     c = (a m + b q_prev) / (a + b),  r = sqrt(a + b - a b (q_prev - m)^2) / (a + b)
 
-The polygon, after Suleiman (Advanced Robotics, 2016), bounds the speed by a line that falls towards
-the limits; it is there for comparison.
+The polygon bounds the speed by a line that falls towards the limits, after W. Suleiman, "On
+inverse kinematics with inequality constraints: new insights into minimum jerk trajectory
+generation", Advanced Robotics 30(17), 2016. It serves for comparison.
 """
 
 from __future__ import annotations
@@ -23,14 +26,17 @@ import numpy as np
 
 from mgs.core.arrays import Array
 
-POLYGON_SPEED = 0.02  # [rad/s] left at the limit itself; with none a joint could never leave it
+POLYGON_SPEED = 0.02  # [rad/s] allowed at a limit; at 0 a joint could never leave the limit again
 
 
 class SafetyRegion:
     """Safety region of n joints.
 
     Attributes:
-        lower, upper: limits (n,) less the margin [rad].
+        lower, upper: (n,) limits less the margin [rad].
+        middle: (n,) middle of the range [rad].
+        speed_max: (n,) largest speed, in mid-range [rad/s].
+        dt: sampling period [s].
     """
 
     def __init__(
@@ -48,13 +54,13 @@ class SafetyRegion:
         self._sum, self._product = a + b, a * b
         self._shift, self._weight = a * self.middle / self._sum, b / self._sum
         self._square = np.empty_like(lower)
-        self._slope = 4.0 * speed_max / (upper - lower)  # of the polygon [1/s]
+        self._slope = 4.0 * speed_max / (upper - lower)  # [1/s] of the polygon's edges
 
     def interval(self, q_prev: Array, low: Array, high: Array) -> int:
         """Fill low and high (n,) with the interval of each joint one step after q_prev (n,).
 
-        Returns the number of joints that are recovering: from where they stand no position of the
-        region can be reached in one step; theirs is the position nearest to the region.
+        Returns the number of recovering joints, which cannot reach the region in one step. Their
+        interval is the one position that is nearest to the region.
         """
         if not self.is_ellipse:
             return self._polygon_interval(q_prev, low, high)
@@ -62,7 +68,7 @@ class SafetyRegion:
         np.subtract(q_prev, self.middle, out=square)
         square *= square
         square *= self._product
-        np.subtract(total, square, out=square)  # of r (a + b)
+        np.subtract(total, square, out=square)  # the square of r (a + b)
         recovering = bool(square.min() < 0.0)
         if recovering:
             outside = square < 0.0
@@ -80,9 +86,9 @@ class SafetyRegion:
         return int(outside.sum())
 
     def _polygon_interval(self, q_prev: Array, low: Array, high: Array) -> int:
-        """|qdot| <= min(qdot_max, v0 + slope * distance to the nearer limit), both taken at q."""
+        """Interval by |qdot| <= min(qdot_max, v0 + slope * distance from the nearer limit)."""
         s, v = self._slope * self.dt, POLYGON_SPEED * self.dt
-        steep = np.minimum(s, 0.999)  # beyond it the far limit's line says nothing
+        steep = np.minimum(s, 0.999)  # steeper lines do not bound the far side
         low[:] = np.maximum.reduce(
             [
                 q_prev - self._d,
@@ -105,9 +111,10 @@ class SafetyRegion:
         return int(outside.sum())
 
     def excess(self, q_prev: Array, q: Array) -> Array:
-        """How far (..., n) steps from q_prev to q (..., n) leave the region; 0 or less inside.
+        """Excess (..., n) of steps from q_prev to q (..., n) over the region; 0 or less inside.
 
-        Eq. (6) for the ellipse; the speed above its bound [rad/s] for the polygon.
+        The excess is the left side of eq. (6) minus 1 for the ellipse, and the speed above its
+        bound [rad/s] for the polygon.
         """
         speed = (q - q_prev) / self.dt
         if self.is_ellipse:

@@ -9,8 +9,8 @@ with, for E the error of the soft rows, v = q - q_prev and step = xdot dt (see
     ik4          J = J_s + gamma J_v,   e = E + gamma (step - J_s v)
     ik5          both rows one below the other, J_v with weights gamma Q
 
-J_v is the derivative of J_s(q) v by q, which depends on q by v and by J_s. At a stretched knee,
-where J_s itself vanishes, the latter is all there is; it is taken into account for the CoM.
+J_v is the derivative of J_s(q) v by q, which depends on q through v and through J_s. At a stretched
+knee J_s vanishes and the dependence through J_s remains; it is included for the CoM.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ class SoftObjective:
     def __init__(
         self, tasks: BodyTasks, soft: Sequence[Part], tuning: FarajiParameters, damping: Array
     ) -> None:
-        """Reserve the buffers.
+        """Reserve the buffers for the tasks.
 
         Args:
             tasks: all tasks, the soft ones last.
             soft: parts of the soft tasks.
-            tuning: their weights.
+            tuning: gives the weights of the soft tasks.
             damping: (6 + n,) diagonal of R.
         """
         self.tasks, self.damping, nv = tasks, damping, tasks.J.shape[1]

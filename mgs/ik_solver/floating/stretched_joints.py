@@ -1,6 +1,6 @@
-"""Which joints stretch a limb: at the angle where it is longest its Jacobian is singular.
+"""Joints that stretch a limb, whose Jacobian is singular at the angle where the limb is longest.
 
-The joint of a leg that changes most the distance of its last joint from its first one is its knee;
+The knee of a leg is the joint that changes the distance between its first and its last joint most;
 the leg is stretched where that distance is largest. For an arm the hand takes the place of the last
 joint.
 """
@@ -15,12 +15,12 @@ from mgs.core.constants import FLOATING_BASE_NV
 from mgs.robot import Robot
 from mgs.robot.limbs import joint_chain
 
-N_ANGLES = 721  # at which a joint's effect on the length is sampled: every half degree
-LEAST_CHANGE = 0.2  # of the longest length; below, a joint bends no limb
+N_ANGLES = 721  # samples of the length of a limb over one turn of a joint, every half degree
+LEAST_CHANGE = 0.2  # smallest change of length that counts as bending, relative to the longest
 
 
 def stretched_joints(robot: Robot) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """Indices (k,) of the joints that stretch a leg or an arm, and their angles (k,) [rad] then."""
+    """Indices (k,) of the joints that stretch a leg or an arm, and the angles (k,) where [rad]."""
     found: dict[int, float] = {}
     for frame_id in (*robot.sole_frames, *robot.hand_frames):
         frame = robot.model.frames[frame_id]
@@ -42,7 +42,7 @@ def stretched_joints(robot: Robot) -> tuple[NDArray[np.intp], NDArray[np.float64
 def _length_change(
     model: pin.Model, chain: list[int], joint: int, tip: pin.SE3
 ) -> tuple[float, float]:
-    """By what part of its largest value a joint can shorten a limb, and where it is longest."""
+    """Largest relative shortening of a limb by a joint, and the angle [rad] where it is longest."""
     i = int(model.idx_qs[joint])
     before, after = pin.SE3.Identity(), pin.SE3.Identity()
     for here in chain[1 : chain.index(joint) + 1]:

@@ -1,8 +1,8 @@
 """Tasks of a floating-base robot: values, Jacobian and errors, in buffers that updates refill.
 
-Generalised coordinates q (7 + n,) with velocity v (6 + n,), the base twist in the base frame first.
-Rows of positions and rotations are in the world frame; orientation errors are rotation vectors
-(log map) of R_ref R^T.
+The generalised velocity v (6 + n,) of a configuration q (7 + n,) starts with the base twist in the
+base frame. Rows of positions and rotations are in the world frame; orientation errors are rotation
+vectors (log map) of R_ref R^T.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Tree tasks and static torques of a whole motion at once, in the order of the robot's joints.
 
-Pinocchio is called once a sample and quantity; what it gives is gathered in arrays (N, ...) and
-worked on there. While both soles stand the tasks of either tree are the same set of postures, so
-that a change of root is seen by nothing outside this module.
+Pinocchio is called once per sample and quantity; its results are collected in arrays (N, ...) and
+processed there. While both soles stand on the ground, the tasks of either tree describe the same
+postures, so that nothing outside this module depends on the root.
 """
 
 from __future__ import annotations
@@ -23,7 +23,11 @@ from mgs.trajectory_planner import TaskTrajectory
 
 
 class TreeBatch:
-    """Evaluates N samples; `rows` are those of the 15 tasks of which something is asked."""
+    """Tasks and torques of N samples.
+
+    Attributes:
+        rows: (15,) mask of the m rows of tasks that have a reference.
+    """
 
     def __init__(
         self,
@@ -51,7 +55,7 @@ class TreeBatch:
         return tree
 
     def errors_at(self, q: Array) -> Array:
-        """Target minus actual (N, m) at q (N, n)."""
+        """Target minus actual (N, m) at joint angles q (N, n)."""
         f, R = np.empty((self.n_samples, N_POSITIONS)), np.empty((self.n_samples, 3, 3))
         for start, end in self.spans:
             tree = self._stand(start)
@@ -61,7 +65,7 @@ class TreeBatch:
         return self._errors(f, R)
 
     def tasks_at(self, q: Array) -> tuple[Array, Array]:
-        """Target minus actual (N, m) and task Jacobians (N, m, n) at q (N, n)."""
+        """Target minus actual (N, m) and task Jacobians (N, m, n) at joint angles q (N, n)."""
         f, R = np.empty((self.n_samples, N_POSITIONS)), np.empty((self.n_samples, 3, 3))
         J = np.empty((self.n_samples, N_TASKS, self.n))
         for start, end in self.spans:
@@ -80,7 +84,7 @@ class TreeBatch:
         return error[:, self.rows]
 
     def torques_at(self, q: Array) -> tuple[Array, Array]:
-        """Static torques tau (N, n) [N m] and dtau/dq (N, n, n) at q (N, n)."""
+        """Static torques tau (N, n) [N m] and dtau/dq (N, n, n) at joint angles q (N, n)."""
         tau, dtau = np.empty((self.n_samples, self.n)), np.empty((self.n_samples, self.n, self.n))
         for start, end in self.spans:
             tree = self._stand(start)

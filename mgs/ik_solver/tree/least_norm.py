@@ -23,7 +23,7 @@ class LeastNorm:
     """
 
     def __init__(self, rows: Array, damping: float) -> None:
-        """Reserve the buffers.
+        """Reserve the buffers for one Jacobian.
 
         Args:
             rows: (m + 1, n) the Jacobian J, which somebody else refills, and below it the row of v.

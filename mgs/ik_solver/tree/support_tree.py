@@ -1,15 +1,16 @@
-"""The robot as a tree that grows out of one sole.
+"""The robot as a kinematic tree that is rooted at one sole.
 
-A robot that stands on a sole is a fixed-base manipulator whose root is that sole (Melson paper,
-section 4.2). Pinocchio roots a model where its URDF does; here the chain from the sole to the old
-root is turned round, so that Pinocchio's own algorithms (gravity torques and their derivatives, CoM
-Jacobian) hold for the standing robot.
+A robot that stands on a sole is a fixed-base manipulator whose root is that sole: section 4.2 of
+"Inverse kinematics of a humanoid robot modelled as a tree-shaped manipulator". Pinocchio roots a
+model where its URDF does. Here the chain from the sole to the old root is reversed, so that
+Pinocchio's own algorithms (gravity torques and their derivatives, CoM Jacobian) apply to the
+standing robot.
 
-A joint with placement M (parent to joint frame at q = 0) and motion S(q) reads, from its child,
+A joint with placement M (parent to joint frame at q = 0) and motion S(q), seen from its child:
 
     T_child_parent(q) = S(q)^-1 M^-1 = S'(q) M^-1        S' turns about the negative axis
 
-so that the turned joint sits at the child's origin and carries a body whose old frame lies at M^-1.
+The reversed joint is at the child's origin and carries a body whose old frame is at M^-1.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from mgs.core.constants import FLOATING_BASE_NV
 from mgs.core.contact import Side
 from mgs.robot import Robot
 
-# body of the old model -> its joint in the new one, and its pose in that joint's frame
+# from a body of the old model to its joint in the new one and its pose in the frame of that joint
 Placed = dict[int, tuple[int, pin.SE3]]
 
 
@@ -43,14 +44,14 @@ class SupportTree:
     model: pin.Model
     order: NDArray[np.intp]  # (n,)
     com_offset: Array  # (3,) CoM of the robot minus CoM of the model, in the sole frame [m]
-    first_placements: tuple[tuple[int, pin.SE3], ...]  # joints that hang on the sole, in its frame
-    swing_sole: int  # frame ids
+    first_placements: tuple[tuple[int, pin.SE3], ...]  # joints on the sole's link, in its frame
+    swing_sole: int  # ids of frames in `model`, here and below
     hands: tuple[int, int]
     base: int
     torso: int
 
     def place(self, T_world_sole: pin.SE3) -> None:
-        """Put the root sole somewhere in the world, the frame of all results from then on."""
+        """Place the root sole in the world, the frame of all results from then on."""
         for joint, placement in self.first_placements:
             self.model.jointPlacements[joint] = T_world_sole * placement
 
@@ -85,9 +86,10 @@ def build_support_tree(robot: Robot, side: Side) -> SupportTree:
 
 
 def _grow(source: pin.Model, model: pin.Model, placed: Placed, root: int) -> list[int]:
-    """Add every joint of `source` to `model`, walking outward from body `root`.
+    """Add every joint of `source` to `model`, outward from body `root`.
 
-    Fills `placed`, and returns the velocity index in `source` of each joint in the order added.
+    Fills `placed` and returns the index in the robot's joint arrays of each joint, in the order in
+    which they are added.
     """
     order: list[int] = []
     neighbours = _neighbours(source)
@@ -95,7 +97,7 @@ def _grow(source: pin.Model, model: pin.Model, placed: Placed, root: int) -> lis
     while stack:
         here, there = stack.pop()
         parent, T_parent_here = placed[here]
-        turned = source.parents[here] == there  # walking towards the old root
+        turned = source.parents[here] == there  # on the way to the old root
         joint = here if turned else there
         axis, placement = _axis(source, joint), source.jointPlacements[joint]
         new = model.addJoint(
@@ -124,7 +126,7 @@ def _lump(model: pin.Model, link: pin.Inertia) -> Array:
 
 
 def _copy_frame(source: pin.Model, model: pin.Model, placed: Placed, frame_id: int) -> int:
-    """Id in `model` of a frame of `source`."""
+    """Copy a frame of `source` to `model`; its id there."""
     frame = source.frames[frame_id]
     joint, T_joint_body = placed[int(frame.parentJoint)]
     copy = pin.Frame(frame.name, joint, T_joint_body * frame.placement, pin.OP_FRAME)
@@ -132,7 +134,7 @@ def _copy_frame(source: pin.Model, model: pin.Model, placed: Placed, frame_id: i
 
 
 def _neighbours(model: pin.Model) -> list[list[int]]:
-    """Joints next to each joint; the floating base (joint 1) is a body like any other."""
+    """Neighbours of each joint in the tree; the floating base, joint 1, is an ordinary body."""
     out: list[list[int]] = [[] for _ in range(model.njoints)]
     for joint in range(2, model.njoints):
         out[model.parents[joint]].append(joint)
@@ -141,7 +143,7 @@ def _neighbours(model: pin.Model) -> list[list[int]]:
 
 
 def _axis(model: pin.Model, joint: int) -> Array:
-    """Axis of a revolute joint in its own frame."""
+    """Axis (3,) of a revolute joint in its own frame."""
     data = model.joints[joint].createData()
     model.joints[joint].calc(data, np.zeros(1), np.zeros(1))
     return np.asarray(data.S).reshape(6)[3:]

@@ -2,9 +2,10 @@
 
     t = [ swing sole position, right hand, left hand, CoM, swing sole orientation ]
 
-as in eq. (27) of the Melson paper (`mgs.ik_solver.clik`), but written in the world frame: the
-support tree is placed at its sole, which turns all rows alike and changes no joint velocity.
-Orientation errors are rotation vectors (log map), not differences of Euler angles.
+as in eq. (27) of "Inverse kinematics of a humanoid robot modelled as a tree-shaped manipulator",
+but written in the world frame: the support tree is placed at its sole, which turns all rows alike
+and changes no joint velocity. Orientation errors are rotation vectors (log map), not differences of
+Euler angles.
 """
 
 from __future__ import annotations
@@ -75,12 +76,12 @@ class TreeTasks:
         self._on_chain[:, self.chain] = 1.0
         self._J_world = self.data.J  # a view that follows every update
         T_world_base = pin.XYZQUATToSE3(robot.standing_q[:FLOATING_BASE_NQ])
-        self._base_rest = T_world_base.rotation  # while the soles look ahead
-        self._heading = np.eye(3)  # of the support sole
-        self._base_turn = np.zeros(3)  # from where it is to rest, axes of the support sole
+        self._base_rest = T_world_base.rotation  # of the base that faces ahead, upright
+        self._heading = np.eye(3)  # rotation of the support sole
+        self._base_turn = np.zeros(3)  # from the base to its rest, axes of the support sole
 
     def place(self, T_world_sole: pin.SE3) -> None:
-        """Stand on a sole at this pose."""
+        """Place the support sole in the world."""
         self.tree.place(T_world_sole)
         self._heading = T_world_sole.rotation
         self._com_offset = self._heading @ self.tree.com_offset
@@ -123,7 +124,13 @@ class TreeTasks:
         R[:] = self.R
 
     def error(self, positions: Array, R_ref: Array, out: Array) -> None:
-        """Target minus actual (m,) for positions (12,) in the order of f and a rotation (3, 3)."""
+        """Fill out (m,) with target minus actual, after `update`.
+
+        Args:
+            positions: (12,) targets in the order of f [m].
+            R_ref: (3, 3) target of R.
+            out: (m,) the error.
+        """
         np.subtract(positions, self.f, out[:N_POSITIONS])
         out[TURN] = pin.log3(R_ref.dot(self._R_T))
         for free in self.free_rows:
@@ -144,7 +151,7 @@ class TreeTasks:
     def gravity(self, q: Array) -> tuple[Array, Array]:
         """Gravity torques (n,) [N m] and their derivative (n, n), in the tree's order.
 
-        tau = -J_com^T M g and d tau / dq of the standing robot: Melson paper, eq. (24).
+        tau = -J_com^T M g and d tau / dq of the standing robot, eq. (24) of the same paper.
         """
         derivative = pin.computeGeneralizedGravityDerivatives(self.model, self.data, q)
         return self.data.g, derivative

@@ -1,7 +1,7 @@
-"""From one posture to another over soles that stay.
+"""The transition from one posture to another while both soles stay where they are.
 
-The straight line in joint space is brought onto soles and CoM, sample by sample, by Newton steps of
-least norm. Both of its ends are on their tasks already, so that it keeps them.
+The straight line in joint space is corrected at every sample by Newton steps of least norm, until
+soles and CoM are where they should be. Both of its ends meet their tasks already and stay as given.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def bridge_postures(
     """Joint angles from `begin` to `end` (n,), at rest at both, by a minimum-jerk blend.
 
     Raises:
-        IkError: soles and CoM cannot be kept on the way.
+        IkError: soles or CoM cannot be kept on the way.
         JointLimitError: a joint leaves its range.
     """
     n = tasks.n_samples
