@@ -158,10 +158,12 @@ def remedy_of(gait: GaitFile, error: MgsError) -> str:
 
 
 def _has_effect(gait: GaitFile, change: Change) -> bool:
+    """Whether a change can have an effect on the motion of this gait."""
     if change is GAMMA:
         return bool(_value(gait, "ik.solver") == "clik")
     return not change.if_set or bool(_value(gait, change.key))
 
 
 def _value(gait: GaitFile, key: str) -> object:
+    """Value of a dotted key."""
     return reduce(getattr, key.split("."), gait)

@@ -77,6 +77,7 @@ def run_stages(
 def _run(
     robot: Robot, gait: SingleGait, name: str, progress: Progress | None, start: Array | None
 ) -> Stages:
+    """Run the stages of a gait whose sizes are resolved; see `run_stages`."""
     seconds: dict[str, float] = {}
     plan = timed(seconds, "motion_planner", lambda: plan_motion(robot, gait))
     if isinstance(plan, PosturePlan):

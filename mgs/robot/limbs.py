@@ -57,6 +57,7 @@ def arm_mask(robot: Robot, side: Side) -> Mask:
 
 
 def _mask(robot: Robot, joints: list[int]) -> Mask:
+    """Mask (n,) of joints given by their numbers in the model."""
     mask = np.zeros(robot.n, dtype=np.bool_)
     mask[[robot.model.idx_vs[joint] - FLOATING_BASE_NV for joint in joints]] = True
     return mask

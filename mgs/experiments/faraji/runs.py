@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mgs.core.arrays import Array
-from mgs.core.constants import FLOATING_BASE_NQ
+from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.core.progress import Progress
 from mgs.gait import BalanceGait, load_gait
 from mgs.ik_solver.floating.safety_region import SafetyRegion
@@ -284,7 +284,7 @@ def knee_difference_deg(study: Study, run: Run) -> float:
 def power(run: Run) -> tuple[float, float]:
     """Mean values of sum |tau qdot| [W] and sum tau^2 [(N m)^2] in the window."""
     motion = run.stages.motion
-    torque, speed = motion.torque[run.window], motion.v[run.window, 6:]
+    torque, speed = motion.torque[run.window], motion.v[run.window, FLOATING_BASE_NV:]
     return (
         float(np.mean(np.sum(np.abs(torque * speed), axis=1))),
         float(np.mean(np.sum(torque**2, axis=1))),
