@@ -104,7 +104,7 @@ def _strike(robot: Robot, kick: KickParameters, foot: Footstep) -> _Strike:
         raise InfeasibleGaitError(
             f"the ball at ({x:.3f}, {y:.3f}) m is too near: the foot would strike it after "
             f"{1e3 * run:.0f} mm, {1e3 * MIN_RUN:.0f} mm are needed; move it at least "
-            f"{1e3 * (MIN_RUN - run):.0f} mm on or use a longer kick.back_swing"
+            f"{1e3 * (MIN_RUN - run):.0f} mm farther ahead or use a longer kick.back_swing"
         )
     speed = kick.speed or SPEED * math.sqrt(GRAVITY * leg)
     ball = Ball(float(x), float(y), radius, kick.ball.mass, 0.0, kick.direction, float(speed))
