@@ -205,7 +205,9 @@ def test_importing_the_command_line_loads_no_heavy_library(name: str):
 
 def test_importing_the_planners_loads_no_scipy():
     """Few motions need it, and it takes as long to import as the rest of the planners."""
-    code = "import sys, mgs.trajectory_planner; print(*{m.split('.')[0] for m in sys.modules})"
+    planners = [path for path in FILES if place(path) in ("motion_planner", "trajectory_planner")]
+    names = ", ".join(module_name(path) for path in planners)
+    code = f"import sys, {names}; print(*{{m.split('.')[0] for m in sys.modules}})"
     run = subprocess.run(
         [sys.executable, "-c", code], cwd=PACKAGE.parent, capture_output=True, text=True, timeout=60
     )
