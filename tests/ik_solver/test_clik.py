@@ -1,4 +1,4 @@
-"""The closed-loop IK: exact on its tasks, downhill in its null space, honest about its limits."""
+"""Closed-loop IK: task errors, null-space motion, and refusal of gaits beyond its limits."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from mgs.core.plugins import IK_SOLVERS
 from mgs.gait import Gait, IkParameters, load_gait
 from mgs.ik_solver import JointTrajectory, solve_ik
 from mgs.ik_solver.clik import ClosedLoopIk, ClosedLoopReport
-from mgs.ik_solver.gains import gravity_gain_profile, rest_profile
 from mgs.ik_solver.tree.tasks import TreeTasks
 from mgs.motion_planner import plan_motion
 from mgs.pipeline import Stages, first_com, run_stages
@@ -41,7 +40,7 @@ def joint_hessian_cost(robot: Robot, angles: np.ndarray) -> np.ndarray:
 
 
 def gravity_cost(robot: Robot, side: Side, joints: np.ndarray) -> float:
-    """1/2 tau^T tau by virtual work on the floating-base robot, whose sole is held level."""
+    """1/2 tau^T tau by virtual work on the floating-base robot, with its sole held level."""
     model, data = robot.model, robot.model.createData()
     q = np.concatenate([pin.neutral(model)[:7], joints])
     pin.framesForwardKinematics(model, data, q)
@@ -67,7 +66,7 @@ def gradient(function, x: np.ndarray, step: float = 1e-5) -> np.ndarray:
 
 
 def test_every_shipped_gait_meets_its_tasks_at_every_sample(shipped):
-    """By forward kinematics of the floating-base robot, against what stages 2 and 3 asked.
+    """Forward kinematics of the floating-base robot against the references of stages 2 and 3.
 
     A gait may allow its CoM to stay behind; of a hand that is NaN nothing is asked.
     """
@@ -91,7 +90,7 @@ def test_every_shipped_gait_meets_its_tasks_at_every_sample(shipped):
             assert np.linalg.norm(turn) < np.radians(0.01)
 
 
-def test_no_shipped_walk_leaves_its_com_more_room_than_a_fifth_of_a_millimetre(shipped_walk):
+def test_no_shipped_walk_permits_a_com_error_above_a_fifth_of_a_millimetre(shipped_walk):
     assert shipped_walk.gait.com_tolerance == 2e-4
     assert shipped_walk.stages.tasks.hands_asked == (True, True)
 
@@ -103,13 +102,13 @@ def test_every_shipped_gait_stays_within_its_joint_limits(shipped):
 
 def test_every_shipped_walk_starts_and_ends_at_rest(shipped_walk):
     angles, dt = shipped_walk.stages.joints.angles, shipped_walk.gait.dt
-    stiffer = max(1.0, shipped_walk.gait.ik.gamma_joint / 0.35)  # null-space motion sets in faster
+    stiffer = max(1.0, shipped_walk.gait.ik.gamma_joint / 0.35)  # null-space motion starts faster
     for speed in (angles[1] - angles[0], angles[-1] - angles[-2]):
         assert np.abs(speed / dt).max() < 5e-3 * stiffer  # [rad/s]; one encoder tick in a second
 
 
 def test_joints_do_not_jump_where_the_support_changes(shipped_walk):
-    """There the tree changes its root: nothing of that may show in angles or speeds.
+    """The tree changes its root there, which may not be visible in angles or speeds.
 
     Within a phase the largest change of speed from sample to sample is that of the motion itself.
     """
@@ -146,13 +145,13 @@ def test_the_secondary_task_does_not_disturb_the_tasks(melson: Robot, gains: dic
     assert np.abs(stages.motion.soles - stages.motion.soles_ref).max() < 1e-4
 
 
-def test_without_newton_updates_the_feedback_alone_keeps_errors_from_piling_up(melson: Robot):
-    """The paper's method, one linear step a sample, leaves what the step's curvature makes."""
+def test_without_newton_updates_the_feedback_alone_keeps_errors_small(melson: Robot):
+    """The method of the paper is one linear step per sample; its curvature causes an error."""
     once = run_stages(melson, walk_gait(**SHORT, ik={"iterations": 0}))
     assert once.joints.report_of(ClosedLoopReport).newton_updates == 0
     error = np.linalg.norm(once.motion.com - once.motion.com_ref, axis=1)
     assert error.max() < 1e-4
-    assert error[-1] < 1e-6  # at rest the feedback has caught up
+    assert error[-1] < 1e-6  # at rest the feedback has removed the error
     more = run_stages(melson, walk_gait(**SHORT, ik={"iterations": 2}))
     updates = more.joints.report_of(ClosedLoopReport).newton_updates
     assert updates == 2 * len(more.joints.angles)
@@ -182,15 +181,15 @@ def test_a_sway_with_free_hands_moves_the_com_over_resting_soles(melson: Robot):
     assert np.abs(com[middle, 1] - expected).max() < 2e-4
     assert np.abs(com[:, [0, 2]] - com[0, [0, 2]]).max() < 2e-4
     assert np.abs(soles - soles[0]).max() < 1e-4
-    # nothing is asked of the hands: their reference is what they do
+    # the hands are free: their reference is their motion
     assert stages.tasks.hands_asked == (False, False)
     assert np.array_equal(stages.motion.hands_ref, stages.motion.hands[..., :3])
     assert_allclose(stages.motion.hands_ref, hands, atol=1e-9)
     assert np.array_equal(stages.motion.torso_ref, stages.motion.torso[:, 3:])
 
 
-def test_free_hands_leave_the_step_to_the_joints_that_need_to_move(melson: Robot):
-    """Least norm: of steps with the same soles and CoM, one that also holds the hands is longer."""
+def test_with_free_hands_only_the_joints_that_the_tasks_need_move(melson: Robot):
+    """A step with the same soles and CoM that also holds the hands is longer."""
     free = solve(melson, balance_gait(sine("com_y", 0.02), ik={"gamma_joint": 0.0})).angles
     still = [constant(f"{side}_hand_x", 1e-9) for side in ("left", "right")]
     held = solve(melson, balance_gait(sine("com_y", 0.02), *still, ik={"gamma_joint": 0.0})).angles
@@ -199,7 +198,7 @@ def test_free_hands_leave_the_step_to_the_joints_that_need_to_move(melson: Robot
     assert np.all(lengths[0][moving] < lengths[1][moving])
 
 
-def test_one_hand_draws_an_eight_while_the_other_is_free(melson: Robot):
+def test_one_hand_draws_a_figure_eight_while_the_other_is_free(melson: Robot):
     gait = balance_gait(figure_eight("right_hand", "yz", 0.03, 0.015), ik={"gamma_joint": 5.0})
     stages = run_stages(melson, gait)
     com, hands, _ = reached(melson, stages.motion.q)
@@ -211,12 +210,14 @@ def test_one_hand_draws_an_eight_while_the_other_is_free(melson: Robot):
     expected = np.stack([0.0 * turn, 0.015 * np.sin(turn), 0.0075 * np.sin(2.0 * turn)], axis=1)
     assert np.linalg.norm(moved - expected, axis=1).max() < 1e-4
     assert np.linalg.norm(com - com[0], axis=1).max() < 2e-4
-    # the free one goes where the joint gradient takes it
+    # the free hand follows the joint gradient
     assert np.ptp(hands[:, Side.LEFT], axis=0).max() > 2e-3
 
 
 @pytest.mark.parametrize("task", ["torso_roll", "torso_pitch", "torso_yaw"])
-def test_a_gait_that_turns_the_torso_is_refused_with_the_solvers_that_can(melson: Robot, task: str):
+def test_a_gait_that_turns_the_torso_is_refused_and_able_solvers_are_named(
+    melson: Robot, task: str
+):
     with pytest.raises(ConfigError, match=r"ik\.solver: clik leaves the torso free") as caught:
         run_stages(melson, balance_gait(constant(task, 0.01)))
     assert caught.value.exit_code == 2
@@ -226,13 +227,13 @@ def test_a_gait_that_turns_the_torso_is_refused_with_the_solvers_that_can(melson
 @pytest.mark.parametrize(
     ("channel", "task"), [(constant("com_z", 0.05), "CoM"), (constant("right_hand_x", 0.3), "hand")]
 )
-def test_a_balance_motion_out_of_reach_is_refused_with_a_remedy_of_its_own(
+def test_a_balance_motion_out_of_reach_is_refused_with_the_remedy_for_balance_gaits(
     melson: Robot, channel: dict[str, object], task: str
 ):
     with pytest.raises(IkError) as caught:
         run_stages(melson, balance_gait(channel))
     assert task in caught.value.task
-    assert 0.5 < caught.value.t < 1.5  # while it fades in
+    assert 0.5 < caught.value.t < 1.5  # while the amplitude grows
     assert "smaller balance.channels" in str(caught.value)
 
 
@@ -244,7 +245,7 @@ def test_a_balance_motion_out_of_reach_is_refused_with_a_remedy_of_its_own(
 def test_one_step_is_the_projected_gradient_plus_the_least_norm_correction(
     melson: Robot, side: Side, gains: tuple[float, float]
 ):
-    """The paper's step, from gradients that are differences and a J^+ by singular values.
+    """The step of the paper, with gradients by differences and J^+ by singular values.
 
     dq = J^+ e - dt P (gamma_joint grad H_joint + gamma_grav grad H_grav), P = I - J^+ J.
 
@@ -293,11 +294,11 @@ def test_one_step_is_the_projected_gradient_plus_the_least_norm_correction(
     expected = J_pinv @ error - dt * P @ downhill
     # the damping of 1e-6 (singular values down to 1e-2) and the differences leave 1e-8 of it
     assert_allclose(angles[2] - start, expected, atol=1e-6 * np.abs(expected).max() + 1e-11)
-    assert np.abs(dt * P @ downhill).max() > 1e-6  # there was something to project
+    assert np.abs(dt * P @ downhill).max() > 1e-6  # the projection has an effect
 
 
 def test_the_null_space_motion_changes_tasks_only_to_second_order(melson: Robot):
-    """Twice the gain may cost four times the error, never twice."""
+    """Twice the gain multiplies the error by four, not by two."""
     errors = []
     for gamma in (2.0, 4.0):
         stages = run_stages(melson, walk_gait(**SHORT, ik={"gamma_joint": gamma, "iterations": 0}))
@@ -307,7 +308,7 @@ def test_the_null_space_motion_changes_tasks_only_to_second_order(melson: Robot)
     assert errors[1] < 5.0 * errors[0]
 
 
-def test_the_joint_gradient_pulls_towards_the_middle_of_the_ranges(melson: Robot):
+def test_the_joint_gradient_moves_joints_towards_the_middle_of_their_ranges(melson: Robot):
     costs = []
     for gamma in (0.0, 0.35, 3.0):
         angles = solve(melson, walk_gait(**SHORT, ik={"gamma_joint": gamma})).angles
@@ -316,7 +317,7 @@ def test_the_joint_gradient_pulls_towards_the_middle_of_the_ranges(melson: Robot
 
 
 def test_the_gravity_gradient_lowers_the_torques_in_single_support(melson: Robot):
-    """Scenario S3 of the paper against S1."""
+    """Comparison of scenarios S3 and S1 of the paper."""
     costs = []
     for gamma in (0.0, 1.6):
         gait = load_gait("melson/walk_5cm", ("ik.gamma_joint=0", f"ik.gamma_grav={gamma}"))
@@ -326,8 +327,8 @@ def test_the_gravity_gradient_lowers_the_torques_in_single_support(melson: Robot
     assert costs[1] < 0.98 * costs[0]
 
 
-def test_gamma_grav_means_the_same_on_a_robot_twice_as_heavy(melson: Robot):
-    """W = s^2 I takes the square of the torques' size out again."""
+def test_gamma_grav_has_the_same_effect_on_a_robot_twice_as_heavy(melson: Robot):
+    """W = s^2 I compensates the larger torques."""
     urdf = melson.urdf
     for value in ("mass value", "ixx", "iyy", "izz", "ixy", "ixz", "iyz"):
         parts = urdf.split(f'{value}="')
@@ -342,43 +343,13 @@ def test_gamma_grav_means_the_same_on_a_robot_twice_as_heavy(melson: Robot):
     assert_allclose(solve(heavy, gait).angles, solve(melson, gait).angles, atol=1e-9)
 
 
-# --- profiles ---------------------------------------------------------------------------------
-
-
-def test_the_gravity_gain_is_off_in_double_support_and_ramps_at_both_ends_of_single_support():
-    support = np.repeat([0, 1, 0, 2, 0], [30, 100, 20, 60, 40]).astype(np.int8)
-    dt, ramp = 0.01, 0.2
-    gain = gravity_gain_profile(support, dt, ramp)
-    assert np.all(gain[support == Support.DOUBLE] == 0.0)
-    for start, end in ((30, 130), (150, 210)):
-        k = np.arange(start, end)
-        since, until = (k - start) * dt, (end - k) * dt
-        expected = np.interp(np.minimum(since, until), [0.0, ramp], [0.0, 1.0])
-        assert_allclose(gain[start:end], expected, atol=1e-12)
-        assert gain[start:end].max() == 1.0
-    assert np.abs(np.diff(gain)).max() <= dt / ramp + 1e-12  # continuous
-
-
-@pytest.mark.parametrize("first", [0, 1, 2])
-def test_a_single_support_shorter_than_two_ramps_gets_a_gain_without_a_step(first: int):
-    support = np.repeat([first, 0, 2], [5, 20, 10]).astype(np.int8)
-    gain = gravity_gain_profile(support, 0.01, 0.2)
-    assert gain.min() == 0.0 and gain.max() <= 1.0
-    assert np.abs(np.diff(gain[5:])).max() <= 0.2 + 1e-12  # up and down within ten samples
-
-
-def test_null_space_motion_starts_and_ends_at_rest():
-    profile = rest_profile(1001, 0.01, 0.2)
-    k = np.arange(1001)
-    expected = np.interp(np.minimum(k, 1000 - k) * 0.01, [0.0, 0.2], [0.0, 1.0])
-    assert_allclose(profile, expected, atol=1e-12)
-
-
 # --- refusals ---------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("walk", [{"com_height": 0.30}, {"step_length": 0.3}, {"step_width": 0.25}])
-def test_a_gait_out_of_reach_is_refused_with_time_and_task(melson: Robot, walk: dict[str, float]):
+def test_a_gait_out_of_reach_is_refused_with_the_time_and_the_task(
+    melson: Robot, walk: dict[str, float]
+):
     with pytest.raises(IkError) as caught:
         run_stages(melson, walk_gait(**SHORT | walk))
     error = caught.value
@@ -400,7 +371,7 @@ def test_a_com_above_the_legs_is_refused_at_once(melson: Robot):
 LIMITED = SHORT | {"step_height": 0.2}  # too high for a knee that bends by 130 deg
 
 
-def test_a_joint_beyond_its_limit_is_refused_by_name(melson: Robot):
+def test_a_joint_beyond_its_limit_is_refused_and_named(melson: Robot):
     gait = walk_gait(**LIMITED, ik={"gamma_joint": 0.0})
     with pytest.raises(JointLimitError) as caught:
         run_stages(melson, gait)
@@ -425,7 +396,7 @@ def test_on_request_a_joint_beyond_its_limit_is_recorded(melson: Robot):
 
 
 def overshooting_gain(robot: Robot, gait: Gait) -> float:
-    """Gain at which an explicit step of dt down H_grav would reach the bottom, in the first pose.
+    """Gain at which an explicit step of dt would reach the minimum of H_grav, in the first pose.
 
     Curvature by differences of differences, the null space by singular values.
     """
@@ -449,7 +420,7 @@ def overshooting_gain(robot: Robot, gait: Gait) -> float:
 
 
 @pytest.mark.parametrize("gamma", [200.0, 1000.0])
-def test_a_gravity_gain_that_would_overshoot_is_refused_with_the_largest_allowed(
+def test_a_gravity_gain_that_would_overshoot_is_refused_and_the_largest_one_is_named(
     melson: Robot, gamma: float
 ):
     gait = walk_gait(**SHORT, ik={"gamma_grav": gamma, "gamma_joint": 0.0})
@@ -462,7 +433,7 @@ def test_a_gravity_gain_that_would_overshoot_is_refused_with_the_largest_allowed
     assert np.all(np.isfinite(solve(melson, walk_gait(**SHORT, ik=below)).angles))
 
 
-def test_a_joint_gain_that_would_overshoot_is_refused_with_the_largest_allowed(melson: Robot):
+def test_a_joint_gain_that_would_overshoot_is_refused_and_the_largest_one_is_named(melson: Robot):
     """An explicit step of dt gamma / range^2 >= 1 passes the middle of the tightest joint."""
     gait = walk_gait(**SHORT)
     allowed = (melson.upper - melson.lower).min() ** 2 / gait.dt
@@ -482,7 +453,7 @@ def test_the_solution_is_the_same_bit_for_bit_twice(melson: Robot):
     assert first.report == second.report
 
 
-def test_solving_leaves_robot_and_tasks_alone(melson: Robot):
+def test_solving_changes_neither_robot_nor_tasks(melson: Robot):
     tasks, com = inputs(melson, walk_gait(**SHORT))
     before = [x.copy() for x in (melson.posture, tasks.soles, tasks.hands, com.position)]
     solve_ik(melson, tasks, com, IkParameters(gamma_grav=1.6))
@@ -501,13 +472,13 @@ def test_a_mirrored_walk_has_mirrored_joint_angles(melson: Robot):
         assert_allclose(right[:, melson.joint_names.index(swapped)], sign * left[:, i], atol=1e-8)
 
 
-def test_progress_is_told_up_to_the_last_sample(melson: Robot):
-    told: list[tuple[int, int]] = []
+def test_progress_is_reported_up_to_the_last_sample(melson: Robot):
+    reported: list[tuple[int, int]] = []
     gait = walk_gait(**SHORT)
     tasks, com = inputs(melson, gait)
-    solve_ik(melson, tasks, com, gait.ik, lambda done, total: told.append((done, total)))
-    assert told[-1] == (tasks.n_samples, tasks.n_samples)
-    assert [done for done, _ in told] == sorted(done for done, _ in told)
+    solve_ik(melson, tasks, com, gait.ik, lambda done, total: reported.append((done, total)))
+    assert reported[-1] == (tasks.n_samples, tasks.n_samples)
+    assert [done for done, _ in reported] == sorted(done for done, _ in reported)
 
 
 @pytest.mark.parametrize("name", IK_SOLVERS.own)

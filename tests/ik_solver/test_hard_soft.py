@@ -1,4 +1,4 @@
-"""ik1 to ik5 against the problems they stand for, solved by other means.
+"""ik1 to ik5 against the problems that define them, solved by other methods.
 
 The oracles take nothing of the solver but its robot: kinematics straight from Pinocchio, linear
 problems by numpy's pseudo-inverse of the whole optimality system, eqs. (8) and (9) of Faraji and
@@ -56,7 +56,7 @@ def squat(
     amplitude: float = 0.05,
     ik: dict[str, Any] | None = None,
 ) -> BalanceGait:
-    """The CoM goes up and down about Z_MAX + z at 1 Hz; what is missed is recorded."""
+    """A gait whose CoM oscillates about Z_MAX + z at 1 Hz; missed tasks are recorded."""
     channels = [
         {"task": "com_z", "wave": "sine", "amplitude": amplitude, "frequency": 1.0},
         *more,
@@ -93,7 +93,7 @@ def started(robot: Robot, gait: Gait, **changes: Any) -> FarajiRun:
 
 
 def whole(robot: Robot, gait: Gait, **changes: Any) -> FarajiRun:
-    """A run after its last sample."""
+    """A run that has finished its last sample."""
     run = started(robot, gait, **changes)
     for k in range(len(run.configurations)):
         run.step(k)
@@ -102,7 +102,7 @@ def whole(robot: Robot, gait: Gait, **changes: Any) -> FarajiRun:
 
 @functools.cache
 def squatting(method: str, task: str, iterations: int) -> tuple[FarajiRun, FarajiReport]:
-    """Tasks B and C of the paper: more height than the legs have, without and with a tilt."""
+    """Tasks B and C of the paper: a CoM out of reach of the legs, without and with a tilt."""
     tuning = {"damping": 1e-2, "speed_max": SPEED, "gamma": GAMMA}
     gait = squat(
         -0.03,
@@ -148,7 +148,7 @@ class Body:
         return np.vstack([J[0], J[1], J[2][3:]]), J_com
 
     def tasks(self, q: Array, goal: Array, com: Array, dt: float = DT) -> tuple[Any, ...]:
-        """Two samples: what holds at q, then what holds at `goal` but for the CoM."""
+        """References of two samples: those that q meets, then those of `goal` with another CoM."""
         states = [self.places(q), self.places(goal)]
         coms = np.array([states[0][0], com])
         tasks = TaskTrajectory(
@@ -169,12 +169,12 @@ class Body:
 
 @dataclass(frozen=True)
 class Step:
-    """From where to where in one sample."""
+    """Start and references of one sample."""
 
     body: Body
     q: Array
     goal: Array  # a configuration within the safety region that meets the hard rows
-    com: Array  # asked for; that of the goal or not
+    com: Array  # reference of the CoM; that of `goal` if it is within reach
 
     def after(self, method: int, iterations: int, dt: float = DT, **tuning: Any) -> FarajiRun:
         """The solver's step from q."""
@@ -191,7 +191,7 @@ class Step:
 
 
 def random_step(robot: Robot, seed: int, far: bool, stretched: bool, dt: float = DT) -> Step:
-    """One that the joints can take; `far` asks a CoM well beyond what they reach."""
+    """A step that the joints can take; with `far` the CoM is well out of reach."""
     rng, body = np.random.default_rng(seed), Body(robot)
     q = robot.standing_q.copy()
     joints = np.clip(robot.posture + rng.uniform(-0.3, 0.3, robot.n), robot.lower, robot.upper)
@@ -215,7 +215,7 @@ def random_step(robot: Robot, seed: int, far: bool, stretched: bool, dt: float =
 
 
 def dense(H: Array, A: Array, g: Array, b: Array) -> Array:
-    """First unknowns of the optimality system, eq. (2)."""
+    """Primal unknowns of the optimality system, eq. (2)."""
     K = np.block([[H, A.T], [A, np.zeros((len(b), len(b)))]])
     return (np.linalg.pinv(K, rcond=1e-13) @ np.concatenate([g, b]))[: len(H)]
 
@@ -228,7 +228,7 @@ def in_world(robot: Robot, q: Array) -> Array:
 # --- ik1, ik2, ik3 ------------------------------------------------------------------------------
 
 
-def test_ik1_is_the_closed_form(legs: Robot):
+def test_ik1_takes_the_step_of_the_closed_form(legs: Robot):
     Q, R = np.diag([3.0, 1.0, 0.2]), 1e-3
     for seed in range(10):
         step = random_step(legs, seed, far=seed % 2 == 0, stretched=False)
@@ -243,7 +243,7 @@ def test_ik1_is_the_closed_form(legs: Robot):
 
 
 def test_ik1_does_not_break_down_where_both_legs_are_straight(legs: Robot):
-    """There hard rows depend on each other; eq. (2) takes the pseudo-inverse."""
+    """The hard rows depend on each other there; eq. (2) takes the pseudo-inverse."""
     q = legs.standing_q.copy()
     q[7:] = 0.0
     body = Body(legs)
@@ -258,15 +258,15 @@ def test_ik1_does_not_break_down_where_both_legs_are_straight(legs: Robot):
         assert_allclose(in_world(legs, found), in_world(legs, expected), atol=1e-6)
 
 
-def test_ik3_with_room_enough_is_ik1(legs: Robot):
-    """Steps that stay far from the edge of the region."""
+def test_ik3_equals_ik1_inside_the_region(legs: Robot):
+    """These steps stay far from the edge of the region."""
     for seed in range(10):
         step = random_step(legs, seed, far=False, stretched=False)
         assert_allclose(step.after(3, 1).q, step.after(1, 1).q, atol=1e-8)
 
 
-def test_ik3_is_ik1_within_the_region_where_there_is_no_room(legs: Robot):
-    """Farther than one step reaches: the bound is met, and the step is not that of ik1."""
+def test_ik3_keeps_the_region_where_ik1_would_leave_it(legs: Robot):
+    """The target is farther than one step: the bound is kept, and the step is not that of ik1."""
     for seed in range(10):
         step = random_step(legs, seed, far=True, stretched=False)
         run = step.after(3, 1)
@@ -274,8 +274,8 @@ def test_ik3_is_ik1_within_the_region_where_there_is_no_room(legs: Robot):
         assert np.abs(run.q[7:] - step.after(1, 1).q[7:]).max() > 1e-3
 
 
-def test_ik2_converges_on_what_can_be_reached(legs: Robot):
-    """Of a reachable target nothing is left; ik1 leaves what is not linear in it."""
+def test_ik2_converges_to_targets_within_reach(legs: Robot):
+    """ik2 meets a reachable target; ik1 leaves the nonlinear part of its error."""
     for seed in range(10):
         step = random_step(legs, seed, far=False, stretched=False)
         body, wanted = step.body, step.body.places(step.goal)
@@ -283,11 +283,11 @@ def test_ik2_converges_on_what_can_be_reached(legs: Robot):
             q = step.after(method, 15, damping=1e-4).q
             assert np.abs(body.hard_error(q, *wanted[1:])).max() < most
             assert np.linalg.norm(step.com - body.places(q)[0]) < most
-        assert np.abs(body.hard_error(q, *wanted[1:])).max() > 1e-6  # of ik1
+        assert np.abs(body.hard_error(q, *wanted[1:])).max() > 1e-6  # ik1 is the last method above
 
 
 def test_velocities_of_ik2_solve_the_second_problem(legs: Robot):
-    """Eq. (5) at the posture found, for the speed of the references."""
+    """Eq. (5) at the solution, for the velocities of the references."""
     gait = squat(-0.07, *TILTING, duration=2.0, ik={"solver": "ik2", "iterations": 5})
     run = whole(legs, gait)
     tasks, com = inputs(legs, gait)
@@ -310,7 +310,7 @@ def test_velocities_of_ik2_solve_the_second_problem(legs: Robot):
 
 
 class NonlinearProblem:
-    """Eqs. (8) and (9) in s, where q = q_prev moved by SCALE s."""
+    """Eqs. (8) and (9) as functions of s, where q is q_prev moved by SCALE s."""
 
     SCALE, COST, ROWS = 0.01, 1e3, 100.0  # so that all figures are about 1
 
@@ -327,7 +327,7 @@ class NonlinearProblem:
         return pin.difference(self.robot.model, self.step.q, q) / self.SCALE
 
     def parts(self, s: Array) -> Array:
-        """What is squared (6,), above the hard rows (15,)."""
+        """Terms of the sum of squares (6,) and hard rows (15,)."""
         q, body = self.q(s), self.step.body
         J_com = pin.jacobianCenterOfMass(body.model, body.data, q)
         delta = body.data.com[0] - self.step.com
@@ -339,7 +339,7 @@ class NonlinearProblem:
         return np.concatenate([*squared, self.hard(s)])
 
     def differences(self, s: Array, h: float = 1e-3) -> Array:
-        """Derivative (21, n) of the parts, of which one iteration asks twice."""
+        """Derivative (21, n) of the parts, which one iteration needs twice."""
         if not np.array_equal(self._last[0], s):
             steps = h * np.eye(len(s))
             columns = [(self.parts(s + e) - self.parts(s - e)) / (2.0 * h) for e in steps]
@@ -358,7 +358,7 @@ class NonlinearProblem:
         return self.step.body.hard_error(self.q(s), self.soles, self.torso)
 
     def region(self, s: Array) -> Array:
-        """Eq. (6): 0 or less inside."""
+        """Left side of eq. (6) minus 1: 0 or less inside the region."""
         low, high, moved = self.robot.lower, self.robot.upper, self.SCALE * s[6:]
         q = self.step.q[7:] + moved
         return (2.0 * q - (low + high)) ** 2 / (high - low) ** 2 + (moved / self.d) ** 2 - 1.0
@@ -370,7 +370,7 @@ class NonlinearProblem:
         return np.hstack([np.zeros((len(q), 6)), np.diag(self.SCALE * slope)])
 
     def least(self) -> tuple[float, Array]:
-        """Least cost and where, from two starts."""
+        """Least cost and its minimiser, the better of two starts."""
         found: list[tuple[float, Array]] = []
         constraints = [
             {
@@ -401,10 +401,8 @@ class NonlinearProblem:
 @pytest.mark.parametrize("stretched", [False, True], ids=["bent", "stretched"])
 @pytest.mark.parametrize("far", [False, True], ids=["reachable", "unreachable"])
 @pytest.mark.parametrize("method", [4, 5])
-def test_a_step_costs_no_more_than_the_best_one(
-    legs: Robot, method: int, far: bool, stretched: bool
-):
-    """Hard rows and region are met, and the cost is the least there is.
+def test_the_cost_of_a_step_is_the_least_one(legs: Robot, method: int, far: bool, stretched: bool):
+    """Hard rows and region are met at the least cost.
 
     An iteration takes the base's part of v = q - q_prev to change as the base does, but for the
     turn of |v| in between. That leaves out a part |v| of the gradient, hence |v|^2 of the cost:
@@ -424,8 +422,8 @@ def test_a_step_costs_no_more_than_the_best_one(
 
 
 @pytest.mark.parametrize("method", [4, 5])
-def test_three_iterations_are_nearly_as_good_as_fifty(legs: Robot, method: int):
-    """Newton's rate: with a derivative that is a twentieth off they would leave 2e-9."""
+def test_three_iterations_come_close_to_fifty(legs: Robot, method: int):
+    """Convergence is quadratic: 2e-9 would remain if the derivative were off by a twentieth."""
     for seed in range(6):
         step = random_step(legs, seed, far=False, stretched=False)
         problem = NonlinearProblem(method, step, DT)
@@ -436,8 +434,8 @@ def test_three_iterations_are_nearly_as_good_as_fifty(legs: Robot, method: int):
 
 
 @pytest.mark.parametrize("method", [4, 5])
-def test_ik4_and_ik5_do_better_than_standing_still_or_than_ik3(legs: Robot, method: int):
-    """The comparison above could not tell otherwise."""
+def test_ik4_and_ik5_cost_less_than_standing_still(legs: Robot, method: int):
+    """The comparison with the least cost is meaningful only then."""
     for seed in range(4):
         step = random_step(legs, seed, far=False, stretched=True)
         problem = NonlinearProblem(method, step, DT)
@@ -448,7 +446,7 @@ def test_ik4_and_ik5_do_better_than_standing_still_or_than_ik3(legs: Robot, meth
 
 
 def test_gamma_rows_all_is_eq_8_as_printed(legs: Robot):
-    """With gamma on the hard rows too they are met to second order only."""
+    """With gamma on the hard rows, too, these are met to second order only."""
     for seed in range(6):
         step = random_step(legs, seed, far=False, stretched=False)
         body = step.body
@@ -463,7 +461,7 @@ def test_gamma_rows_all_is_eq_8_as_printed(legs: Robot):
         rows = [row for pair in zip(moved, turns, strict=True) for row in pair]
         xdot_dt = np.concatenate([*rows, pin.log3(wanted[2] @ before[2].T)])
         error = body.hard_error(q, *wanted[1:])
-        # to where iterations end: 1 + gamma times a step of 1e-9
+        # iterations end at steps of 1e-9, which count 1 + gamma times
         assert_allclose(error, GAMMA * (J_h @ v - xdot_dt), atol=1e-7)
         assert 1e-6 < np.abs(error).max() < 1e-2
         exact = step.after(4, 50, gamma_rows="soft", damping=1e-6).q
@@ -479,7 +477,7 @@ def test_gamma_rows_all_is_eq_8_as_printed(legs: Robot):
 def test_every_sample_is_within_limits_and_region(
     legs: Robot, method: str, task: str, iterations: int
 ):
-    """Eq. (6) from the joint angles alone; the motions push against it."""
+    """Eq. (6) is evaluated from the joint angles alone; the motions reach its bound."""
     run, report = squatting(method, task, iterations)
     joints, low, high = run.finish().angles, legs.lower, legs.upper
     assert np.all((joints >= low) & (joints <= high))
@@ -495,7 +493,7 @@ def test_every_sample_is_within_limits_and_region(
 @pytest.mark.parametrize("iterations", [3, 15])
 @pytest.mark.parametrize("task", ["B", "C"])
 @pytest.mark.parametrize("method", ["ik4", "ik5"])
-def test_hard_tasks_hold_while_the_legs_stretch_and_bend_again(
+def test_hard_tasks_are_met_while_the_legs_stretch_and_bend_again(
     legs: Robot, method: str, task: str, iterations: int
 ):
     run, report = squatting(method, task, iterations)
@@ -510,7 +508,7 @@ def test_hard_tasks_hold_while_the_legs_stretch_and_bend_again(
     assert worst < 1e-4
     assert_allclose(report.hard_error, worst, atol=1e-9)
     knees = run.configurations[:, [7 + i for i, n in enumerate(legs.joint_names) if "Knee" in n]]
-    assert knees.min() < np.radians(5.0)  # they do stretch
+    assert knees.min() < np.radians(5.0)  # the knees stretch
     assert knees[-1].min() > np.radians(20.0)  # and bend again
 
 
@@ -553,10 +551,10 @@ def test_a_margin_is_kept_from_every_limit(legs: Robot):
     assert np.all(joints >= legs.lower + margin - 1e-12)
     assert np.all(joints <= legs.upper - margin + 1e-12)
     knee = legs.joint_names.index("LKneeSag")
-    assert joints[:, knee].min() < margin + 0.03  # it comes there
+    assert joints[:, knee].min() < margin + 0.03  # it reaches the margin
 
 
-def test_the_polygon_region_holds_too(legs: Robot):
+def test_the_polygon_region_is_kept_as_well(legs: Robot):
     tuning = {"damping": 1e-2, "speed_max": SPEED, "region": "polygon"}
     run = whole(legs, squat(-0.03, ik={"faraji": tuning}))
     joints = run.finish().angles
@@ -571,17 +569,15 @@ def test_the_polygon_region_holds_too(legs: Robot):
 
 
 @pytest.mark.parametrize(("margin", "joint"), [(0.5, "LHipLat at 0.0000"), (0.98, "margin")])
-def test_a_posture_outside_the_limits_less_the_margin_is_an_error_of_the_gait(
-    legs: Robot, margin: float, joint: str
-):
-    """The second is more than half of a knee's range: nothing of it is left."""
+def test_a_margin_that_excludes_the_posture_is_refused(legs: Robot, margin: float, joint: str):
+    """The second margin is more than half the range of a knee, which leaves no range."""
     gait = squat(-0.07, ik={"faraji": {"margin": margin}})
     with pytest.raises(ConfigError, match=joint):
         started(legs, gait)
 
 
 @pytest.mark.parametrize("method", ["ik1", "ik2", "ik3", "ik4", "ik5"])
-def test_no_iterations_are_refused(method: str):
+def test_zero_iterations_are_refused(method: str):
     parameters = IkParameters(solver=method, iterations=0)  # type: ignore[arg-type]
     with pytest.raises(ConfigError, match=r"ik\.iterations"):
         FarajiIk.from_parameters(parameters)
@@ -594,7 +590,7 @@ def test_a_motion_that_leaves_no_hard_task_is_refused(legs: Robot):
         started(legs, gait)
 
 
-def test_with_nothing_soft_left_the_hard_tasks_are_met_alone(legs: Robot):
+def test_hard_tasks_are_met_without_soft_tasks(legs: Robot):
     tuning = {"hard": ["soles", "torso", "com"], "soft": {"hands": [1.0, 1.0, 1.0]}}
     gait = squat(-0.07, amplitude=0.03, ik={"faraji": tuning})
     run = whole(legs, gait)
@@ -614,14 +610,14 @@ def test_a_hard_task_out_of_reach_is_refused(legs: Robot, method: str):
     gait = beyond_reach(method, "refuse")
     with pytest.raises((IkError, JointLimitError)) as error:
         solve_ik(legs, *inputs(legs, gait), gait.ik)
-    # the CoM asks for more than Z_MAX first at about 0.6 s
+    # the CoM reference exceeds Z_MAX first at about 0.6 s
     if isinstance(error.value, IkError):
         assert 0.2 < error.value.t < 1.5
 
 
 @pytest.mark.parametrize("method", ["ik1", "ik2", "ik3", "ik4", "ik5"])
-def test_a_hard_task_out_of_reach_is_recorded_where_that_is_asked_for(legs: Robot, method: str):
-    """By how much it is missed is in the report; where there are bounds they hold all the same."""
+def test_on_request_a_hard_task_out_of_reach_is_recorded(legs: Robot, method: str):
+    """The report contains its error; the bounds of ik3 to ik5 are kept nevertheless."""
     run = whole(legs, beyond_reach(method, "record"))
     joints = run.finish()
     assert joints.report_of(FarajiReport).hard_error > 5e-3
@@ -632,7 +628,7 @@ def test_a_hard_task_out_of_reach_is_recorded_where_that_is_asked_for(legs: Robo
 
 
 def test_ik1_and_ik2_leave_the_limits_where_ik4_does_not(legs: Robot):
-    """Nothing bounds them, so their motion is refused by name of the joint."""
+    """They have no bounds, so that their motion is refused."""
     for method in ("ik1", "ik2"):
         gait = squat(-0.03, *TILTING, ik={"solver": method, "on_limit": "refuse"})
         with pytest.raises((JointLimitError, IkError)):
@@ -663,7 +659,7 @@ def walk(name: str, posture_weight: float | None) -> tuple[np.ndarray, np.ndarra
 
 
 def drift(angles: np.ndarray, two_steps: int) -> float:
-    """Largest difference between the same instants of early and late strides."""
+    """Largest difference of joint angles between equal instants of early and late strides."""
     first = round(1.8 / 0.02) + 2 * two_steps
     last = first + 10 * two_steps
     assert last + two_steps < len(angles) - 1.8 / 0.02
@@ -672,19 +668,19 @@ def drift(angles: np.ndarray, two_steps: int) -> float:
 
 
 @pytest.mark.parametrize("name", WALKS)
-def test_a_long_walk_of_a_redundant_robot_repeats_itself(name: str):
+def test_a_long_walk_of_a_redundant_robot_is_periodic(name: str):
     angles, _, two_steps = walk(name, None)
     assert drift(angles, two_steps) < 1e-5  # [rad]; iterations end at steps of 1e-7
 
 
-def test_without_the_posture_term_it_would_not():
+def test_without_the_posture_term_a_long_walk_drifts():
     angles, _, two_steps = walk("coman", 0.0)
     assert drift(angles, two_steps) > 1e-2
 
 
 @pytest.mark.parametrize("name", WALKS)
-def test_the_posture_term_costs_the_soft_com_next_to_nothing(name: str):
-    """Of 0.2 mm that are allowed."""
+def test_the_posture_term_hardly_changes_the_soft_com(name: str):
+    """The change is below 0.05 mm, where the CoM may deviate by 0.2 mm."""
     with_term, without = walk(name, None)[1], walk(name, 0.0)[1]
     assert np.linalg.norm(with_term - without, axis=1).max() < 5e-5
     assert np.linalg.norm(with_term, axis=1).max() < 2e-4

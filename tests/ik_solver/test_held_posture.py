@@ -1,4 +1,4 @@
-"""Joints that follow a posture of their own, beside soles, torso, hands and CoM."""
+"""Joints that follow given angles in addition to the tasks of soles, torso, hands and CoM."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ KEYS = (
 
 
 @pytest.mark.parametrize("solver", ["ik1", "ik2", "ik3", "ik4", "ik5"])
-def test_held_joints_are_where_the_keys_want_them_and_no_task_suffers(solver: str):
+def test_held_joints_follow_their_keys_while_all_tasks_are_met(solver: str):
     gait = keyframes_gait(*KEYS, rest=0.3, ik={"solver": solver})
     stages = run_stages(MELSON, gait)
     motion, tasks = stages.motion, stages.tasks
@@ -41,7 +41,7 @@ def test_held_joints_are_where_the_keys_want_them_and_no_task_suffers(solver: st
     assert_allclose(joints[-1], MELSON.posture, atol=1e-3)
 
 
-def test_a_led_hand_takes_its_arm_along_and_the_other_arm_stays():
+def test_a_hand_with_keys_moves_its_arm_only():
     key = {"time": 1.3, "right_hand": [0.03, 0.0, 0.05]}
     stages = run_stages(MELSON, keyframes_gait(key, rest=0.3))
     motion, names = stages.motion, MELSON.joint_names

@@ -1,4 +1,4 @@
-"""Strict priorities on a floating base: pinv, finite differences and finer steps as the oracles."""
+"""Strict priorities on a floating base, against pseudo-inverses, differences and finer steps."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def inputs(robot: Robot, gait: Gait) -> tuple[TaskTrajectory, ComTrajectory]:
 
 
 def walk_through(robot: Robot, gait: Gait) -> PrioritizedRun:
-    """A run that has taken every step and judged none."""
+    """A run that has taken all steps, without the checks at its end."""
     tasks, com = inputs(robot, gait)
     run = PrioritizedRun(PrioritizedIk.from_parameters(gait.ik), robot, tasks, com)
     run.start()
@@ -136,7 +136,7 @@ def test_projected_form_is_equation_16(robots: dict[str, Robot], name: str) -> N
 def test_tracking_form_is_the_sequence_of_restricted_pseudo_inverses(
     robots: dict[str, Robot], name: str
 ) -> None:
-    """Where all levels can be met it is also the shortest velocity that meets them all."""
+    """Where all levels can be met, it is also the shortest velocity that meets them."""
     rng = np.random.default_rng(3)
     for _ in range(10):
         J = jacobian(robots[name], random_q(robots[name], rng))
@@ -152,10 +152,10 @@ def test_tracking_form_is_the_sequence_of_restricted_pseudo_inverses(
 
 
 @pytest.mark.parametrize("projected", [False, True])
-def test_level_a_is_met_exactly_whatever_the_others_ask(
+def test_level_a_is_met_exactly_whatever_lower_levels_demand(
     robots: dict[str, Robot], projected: bool
 ) -> None:
-    """B repeats a sole and asks the opposite, E repeats B: no velocity meets them."""
+    """B demands the opposite motion of a sole and E repeats B: no velocity meets them."""
     robot, rng = robots["coman"], np.random.default_rng(4)
     for _ in range(20):
         J = jacobian(robot, random_q(robot, rng))
@@ -168,8 +168,8 @@ def test_level_a_is_met_exactly_whatever_the_others_ask(
         assert_allclose(J[A] @ levels.projector(3), 0.0, atol=1e-10)
 
 
-def test_a_conflict_comes_gradually(robots: dict[str, Robot]) -> None:
-    """A row of B turns into one of A: bounded and without a jump, and exact before it is near."""
+def test_solutions_are_continuous_where_a_conflict_arises(robots: dict[str, Robot]) -> None:
+    """A row of B turns into one of A: the solution stays bounded, and exact far from conflict."""
     robot = robots["coman"]
     J, nv = jacobian(robot, robot.standing_q), robot.model.nv
     rates, row = np.ones(24), J[14].copy()
@@ -187,7 +187,7 @@ def test_a_conflict_comes_gradually(robots: dict[str, Robot]) -> None:
     assert np.abs(found_array).max() < 200.0  # 1 / (2 lambda) = 50 for each of few rows
 
 
-def test_what_lags_behind_is_bounded(robots: dict[str, Robot]) -> None:
+def test_a_level_that_lags_is_bounded(robots: dict[str, Robot]) -> None:
     robot = robots["coman"]
     J, nv = jacobian(robot, robot.standing_q), robot.model.nv
     rates = np.zeros(24)
@@ -223,7 +223,7 @@ def test_equation_10_recovers_the_base_velocity(
 
 
 def point_rows(robot: Robot, side: Side, local: tuple[float, float]) -> np.ndarray:
-    """Velocity rows (3, 6 + n) of a point of a sole, from its neighbours' displacement."""
+    """Velocity rows (3, 6 + n) of a point of a sole, by differences of its position."""
     model, data, q = robot.model, robot.model.createData(), robot.standing_q
 
     def place(v: np.ndarray) -> np.ndarray:
@@ -257,7 +257,7 @@ def test_two_edges_suffice_unless_they_are_collinear(robots: dict[str, Robot]) -
             base_velocity(rows, np.zeros(robot.n))
 
 
-def test_dependent_rows_are_refused(robots: dict[str, Robot]) -> None:
+def test_dependent_constraint_rows_are_refused(robots: dict[str, Robot]) -> None:
     J = jacobian(robots["coman"], robots["coman"].standing_q)
     with pytest.raises(ConfigError, match="over-constrained: 13 constraint rows have rank 12"):
         refuse_infeasible(0.0, np.concatenate([J[:12], J[:1]]), J[A])
@@ -265,7 +265,7 @@ def test_dependent_rows_are_refused(robots: dict[str, Robot]) -> None:
         refuse_infeasible(0.0, J[:12], np.concatenate([J[A], J[:1]]))
 
 
-def test_straight_knees_are_no_singularity_of_level_a(robots: dict[str, Robot]) -> None:
+def test_straight_knees_are_not_singular_for_level_a(robots: dict[str, Robot]) -> None:
     robot = robots["coman"]
     legs = [robot.joint_names.index(name) for group in ("left_leg", "right_leg")
             for name in robot.spec.groups[group]]  # fmt: skip
@@ -297,8 +297,8 @@ def test_jdot_v_is_the_change_of_j_v(robots: dict[str, Robot], name: str) -> Non
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
-def test_errors_fade_as_the_poles_say(robots: dict[str, Robot], solver: str) -> None:
-    """All targets are moved by a little at one instant; no reference velocity goes with it."""
+def test_errors_decay_with_the_poles_of_the_feedback(robots: dict[str, Robot], solver: str) -> None:
+    """All targets move by a small step at one instant, without a reference velocity."""
     gait = load_gait("melson/sway", (f"ik.solver={solver}", "ik.prioritized.feedback=0.4"))
     tasks, com = inputs(robots["melson"], gait)
     run = PrioritizedRun(PrioritizedIk.from_parameters(gait.ik), robots["melson"], tasks, com)
@@ -316,7 +316,7 @@ def test_errors_fade_as_the_poles_say(robots: dict[str, Robot], solver: str) -> 
     while len(double) < 21:
         double.append(2.0 * 0.6 * double[-1] - 0.36 * double[-2])
     expected = single if solver == "prioritized" else np.array(double[1:])
-    assert_allclose(found[:, 0], expected, atol=1e-3)  # curvature: 1e-6 m are not nothing
+    assert_allclose(found[:, 0], expected, atol=1e-3)  # the curvature at steps of 1e-6 m
     assert_allclose(found[:, 1], single, atol=1e-3)
 
 
@@ -324,7 +324,7 @@ def test_errors_fade_as_the_poles_say(robots: dict[str, Robot], solver: str) -> 
 def test_acceleration_form_is_the_finely_integrated_velocity_form(
     robots: dict[str, Robot], name: str
 ) -> None:
-    """COMAN's legs have no freedom left: the order of the step alone tells the two apart.
+    """The legs of COMAN have no redundancy: only the order of the integration differs.
 
     With waist and arms the acceleration form takes on null-space motion with a lag of 0.1 s.
     """
@@ -347,7 +347,7 @@ def test_acceleration_form_is_the_finely_integrated_velocity_form(
 def test_soles_do_not_drift(
     robots: dict[str, Robot], gait_name: str, form: str, solver: str
 ) -> None:
-    """Every critical task within 1e-4 throughout, the constraints below 1e-5 m at dt = 0.01."""
+    """All critical tasks are met to 1e-4, the constraints to 1e-5 m at dt = 0.01."""
     settings = (f"ik.solver={solver}", f"ik.prioritized.null_space={form}", "balance.duration=7.0")
     gait = load_gait(gait_name, settings)
     robot = robots[gait.robot or ""]
@@ -361,14 +361,12 @@ def test_soles_do_not_drift(
 
 
 def run_sole(robot: Robot, side: Side) -> np.ndarray:
-    """Where the sole stands in the half-sitting posture."""
+    """Position (3,) of a sole in the half-sitting posture."""
     return frame_positions(robot, robot.standing_q[None], robot.sole_frames[side])[0]
 
 
 @pytest.mark.parametrize("gait_name", ["coman/hand_eight", "melson/hand_eight"])
-def test_the_hand_is_met_in_the_tracking_form_only(
-    robots: dict[str, Robot], gait_name: str
-) -> None:
+def test_only_the_tracking_form_meets_the_hand(robots: dict[str, Robot], gait_name: str) -> None:
     errors = {}
     for form in FORMS:
         gait = load_gait(gait_name, (f"ik.prioritized.null_space={form}",))
@@ -396,7 +394,7 @@ def test_motions_pass_every_static_check(
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("name", ["coman", "coman_legs"])
 def test_coman_walks(robots: dict[str, Robot], name: str, solver: str) -> None:
-    """Tasks and ranks; what its servos say is the gait's affair."""
+    """Tasks and ranks are checked; the servos would need a slower gait."""
     gait = load_gait("melson/walk_5cm", (f"ik.solver={solver}", "walk.single_support=1.0"))
     joints = solve_ik(robots[name], *inputs(robots[name], gait), gait.ik)
     assert all(error < 1e-4 for error in worst(joints).values())
@@ -406,8 +404,8 @@ def test_coman_walks(robots: dict[str, Robot], name: str, solver: str) -> None:
     assert [p.start for p in phases] == [0.0, 3.0, 5.2]
 
 
-def test_a_hand_out_of_reach_disturbs_nothing_critical(robots: dict[str, Robot]) -> None:
-    """It lags, its arm is not whirled about, and it is back when it can be."""
+def test_a_hand_out_of_reach_disturbs_no_critical_task(robots: dict[str, Robot]) -> None:
+    """The hand lags, its arm stays slow, and the hand returns when it is within reach again."""
     channels = "[{task: right_hand_x, wave: sine, amplitude: 0.6, frequency: 0.1}]"
     for solver in SOLVERS:
         settings = (f"balance.channels={channels}", f"ik.solver={solver}", "ik.on_limit=record")
@@ -439,12 +437,12 @@ def test_handover_rises_after_lift_off_and_falls_before_landing() -> None:
     assert (long[40:80] < 1.0).sum() == 39
 
 
-def test_a_phase_of_one_sample_is_handed_over_at_once() -> None:
+def test_a_phase_of_one_sample_has_no_handover_time() -> None:
     support = np.array([0, 0, 1, 0, 0], np.int8)
     assert_allclose(handover_profile(support, 0.01, 0.1), [0, 0, 1, 0, 0])
 
 
-def test_a_blend_meets_what_both_sets_have_in_common(robots: dict[str, Robot]) -> None:
+def test_a_blend_meets_the_constraints_common_to_both_sets(robots: dict[str, Robot]) -> None:
     settings = ("ik.solver=prioritized", "ik.prioritized.null_space=projected")
     gait = load_gait("melson/walk_5cm", (*settings, "ik.on_limit=record"))
     run, rng = walk_through(robots["melson"], gait), np.random.default_rng(7)
@@ -460,7 +458,7 @@ def test_a_blend_meets_what_both_sets_have_in_common(robots: dict[str, Robot]) -
 
 
 def test_joints_do_not_jump_at_a_switch(robots: dict[str, Robot]) -> None:
-    """In the projected form the two sets differ; handed over at once they make the joints jump."""
+    """In the projected form the two sets differ: without a handover time the joints jump."""
     near, far = {}, {}
     for handover in (0.0, 0.3):
         gait = load_gait(
@@ -499,8 +497,8 @@ def test_the_same_input_gives_the_same_joints(robots: dict[str, Robot], solver: 
     assert all(total == tasks.n_samples for _, total in calls)
 
 
-def test_it_starts_and_ends_at_rest(robots: dict[str, Robot]) -> None:
-    """Left-over joints begin where the posture pulls them no farther."""
+def test_a_motion_starts_and_ends_at_rest(robots: dict[str, Robot]) -> None:
+    """Redundant joints begin at the equilibrium of the pull to the posture."""
     run = walk_through(robots["coman"], load_gait("coman/hand_eight"))
     speed = np.abs(np.diff(run.configurations[:, 7:], axis=0)) / 0.01
     assert speed[:40].max() < 1e-5  # [rad/s]

@@ -1,4 +1,4 @@
-"""The quadratic program of one iteration against solvers that share nothing with DAQP."""
+"""The quadratic program of one iteration, against solvers that share no code with DAQP."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ DAMPING = 1e-2
 
 
 class Problem:
-    """A random one that has a solution, or, if `shift` is not 0, perhaps none."""
+    """A random program that has a solution; with a `shift` it may have none."""
 
     def __init__(self, seed: int, m: int = M, width: float = 0.3, shift: float = 0.0) -> None:
         rng = np.random.default_rng(seed)
@@ -42,7 +42,7 @@ class Problem:
 
 
 def least_cost(problem: Problem) -> float:
-    """By sequential quadratic programming, in what the equalities leave free."""
+    """Minimiser by sequential quadratic programming in the null space of the equalities."""
     x0 = np.linalg.pinv(problem.A) @ problem.b
     _, _, Vt = np.linalg.svd(problem.A)
     Z = Vt[len(problem.b) :].T
@@ -82,7 +82,7 @@ def test_the_solution_is_that_of_another_method(m: int):
     assert at_bounds > 5  # the bounds matter in these problems
 
 
-def test_a_workspace_carries_nothing_from_one_problem_to_the_next():
+def test_a_workspace_carries_no_data_from_one_problem_to_the_next():
     qp = BoundedQp(N, M)
     first = {}
     for seed in [0, 1, 2, 0, 2, 1]:
@@ -93,7 +93,7 @@ def test_a_workspace_carries_nothing_from_one_problem_to_the_next():
         assert_allclose(x, first.setdefault(seed, x), atol=1e-12)
 
 
-def test_wide_bounds_leave_the_closed_form():
+def test_with_wide_bounds_the_solution_is_the_closed_form():
     for seed in range(10):
         problem = Problem(seed)
         problem.low[N_BASE:], problem.high[N_BASE:] = -1e4, 1e4
@@ -113,8 +113,8 @@ def test_solutions_meet_the_optimality_conditions(m: int):
         assert problem.residual(x, qp.lam) < 1e-7
 
 
-def test_what_is_not_a_solution_does_not_meet_them():
-    """Each part of a solution is spoiled in turn by a hundredth."""
+def test_other_points_violate_the_optimality_conditions():
+    """Each part of a solution is changed in turn by a hundredth."""
     rng = np.random.default_rng(0)
     for seed in range(20):
         problem = Problem(seed, m=9)
@@ -134,8 +134,8 @@ def test_what_is_not_a_solution_does_not_meet_them():
             assert problem.residual(x, lam) > 1e-3
 
 
-def test_a_point_that_only_the_signs_of_its_multipliers_betray():
-    """Maximum instead of minimum on a bound: stationary and feasible, but pushed inwards."""
+def test_wrong_signs_of_the_multipliers_violate_the_optimality_conditions():
+    """A maximum on a bound is stationary and feasible, but its multiplier has the wrong sign."""
     H, g, A, b = np.eye(N), np.zeros(N), np.zeros((1, N)), np.zeros(1)
     g[N - 1] = -2.0  # the minimum is at 2
     bounds = np.array([np.full(N, -1.0), np.full(N, 1.0)])
@@ -152,13 +152,13 @@ def test_a_point_that_only_the_signs_of_its_multipliers_betray():
 
 
 def least_distance(problem: Problem) -> float:
-    """Least |A x - b| within the bounds, by bounded-variable least squares."""
+    """Minimiser of |A x - b| within the bounds, by bounded-variable least squares."""
     bounds = (problem.low, problem.high)
     found = lsq_linear(problem.A, problem.b, bounds, method="bvls", tol=1e-14)
     return float(np.linalg.norm(problem.A @ found.x - problem.b))
 
 
-def test_contradictory_equalities_and_bounds_are_told_from_others():
+def test_contradictory_equalities_and_bounds_are_recognised():
     seen = {True: 0, False: 0}
     for seed in range(60):
         problem = Problem(seed, width=0.5, shift=0.4)
@@ -169,8 +169,8 @@ def test_contradictory_equalities_and_bounds_are_told_from_others():
     assert min(seen.values()) > 5
 
 
-def test_contradictions_are_solved_as_far_as_the_bounds_permit():
-    """The oracle is bounded least squares of the same weights: A x = b counts ELASTIC_WEIGHT."""
+def test_contradictory_equalities_are_met_as_far_as_the_bounds_permit():
+    """The oracle is bounded least squares with the weight ELASTIC_WEIGHT for A x = b."""
     for seed in range(20):
         problem = Problem(seed, width=0.3, shift=2.0)
         qp, x = problem.solve()
@@ -195,14 +195,14 @@ def test_contradictions_are_solved_as_far_as_the_bounds_permit():
 
 
 def dense_kkt(problem: Problem) -> np.ndarray:
-    """Eq. (2): the pseudo-inverse of the matrix of the optimality conditions."""
+    """Solution of eq. (2) by the pseudo-inverse of the matrix of the optimality conditions."""
     m = len(problem.b)
     K = np.block([[problem.H, problem.A.T], [problem.A, np.zeros((m, m))]])
     return (np.linalg.pinv(K, rcond=1e-12) @ np.concatenate([-problem.g, problem.b]))[:N]
 
 
 @pytest.mark.parametrize("m", [1, 9, 15, 18])
-def test_the_closed_form_is_the_dense_one(m: int):
+def test_the_closed_form_solves_the_optimality_conditions(m: int):
     for seed in range(20):
         problem = Problem(seed, m, width=1.0)
         expected = dense_kkt(problem)
@@ -210,8 +210,8 @@ def test_the_closed_form_is_the_dense_one(m: int):
         assert_allclose(x, expected, atol=1e-7 * np.abs(expected).max())
 
 
-def test_the_closed_form_bears_dependent_rows():
-    """As hard rows are where both legs are straight."""
+def test_the_closed_form_accepts_dependent_rows():
+    """Hard rows depend on each other where both legs are straight."""
     for seed in range(20):
         problem = Problem(seed, width=1.0)
         problem.A[-1] = problem.A[0] - 2.0 * problem.A[1]
@@ -223,7 +223,7 @@ def test_the_closed_form_bears_dependent_rows():
 
 
 def test_the_closed_form_meets_contradictory_rows_in_the_least_squares_sense():
-    """A leg asked beyond its length; what the damping of S lets through is 1e-5 of the step."""
+    """A leg beyond its length is an example; the damping of S causes 1e-5 of the step."""
     for seed in range(20):
         problem = Problem(seed, width=1.0)
         problem.A[-1] = problem.A[0] - 2.0 * problem.A[1]

@@ -34,7 +34,7 @@ def test_turns_lead_from_each_rotation_to_the_next():
 
 
 def test_between_equal_rotations_there_is_no_turn_at_all():
-    """Not even one by rounding: R R^T differs from the identity."""
+    """R R^T differs from the identity by rounding, which must not count as a turn."""
     R = np.repeat(rotations_by(np.array([0.7, 1.2])), 3, axis=0)
     turns = turns_between(R)
     assert not turns[[0, 1, 2, 4, 5]].any()

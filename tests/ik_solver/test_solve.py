@@ -1,4 +1,4 @@
-"""What no solver may let through: an error of arithmetic without a word on what to do."""
+"""Errors of arithmetic in a solver become messages that name a remedy."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from mgs.robot import Robot
 @pytest.mark.parametrize(
     "error", [ArithmeticError("DAQP ended"), np.linalg.LinAlgError("singular")]
 )
-def test_arithmetic_that_breaks_down_becomes_a_message_with_a_remedy(
+def test_an_arithmetic_error_becomes_a_message_with_a_remedy(
     melson: Robot, walk_5cm: Stages, monkeypatch: pytest.MonkeyPatch, error: Exception
 ):
     def breaks(*_: object) -> None:

@@ -1,4 +1,4 @@
-"""The whole-trajectory IK: lower than the closed-loop IK, on its tasks, at a minimum."""
+"""IK of the whole trajectory: tasks are met, its cost is a minimum and below closed-loop IK."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ GAINS = {"gamma_joint": 0.35, "gamma_grav": 1.6}
 
 
 def walk(solver: str = "trajectory", **trajectory: float | str) -> WalkGait:
-    """One CoM motion for all solvers, not one that is corrected for each."""
+    """A walk with the same CoM motion for all solvers, without the dynamic filter."""
     ik = {"solver": solver, **GAINS, "trajectory": trajectory}
     return walk_gait(**SHORT, com={"passes": 0}, ik=ik)
 
@@ -120,15 +120,15 @@ def test_the_cost_is_that_of_inverse_dynamics(melson: Robot, whole: Stages):
 
 
 @pytest.mark.parametrize("sharing", ["off", "optimal"])
-def test_other_ways_to_treat_double_support_are_lower_too(melson: Robot, sharing: str):
+def test_the_objective_falls_with_other_options_for_double_support(melson: Robot, sharing: str):
     ik = {"solver": "trajectory", **GAINS, "double_support": sharing}
     joints = run_stages(melson, walk_gait(**SHORT, ik=ik)).joints
     history = joints.report_of(TrajectoryReport).objective
     assert history[-1] < 0.97 * history[0]
 
 
-def test_a_squat_of_a_robot_with_hands_free_gets_cheaper(coman: Robot):
-    """Twenty directions a sample; both soles stand throughout."""
+def test_a_squat_with_free_hands_costs_less(coman: Robot):
+    """The null space has twenty dimensions per sample; both soles stay on the ground."""
     before, after = (run_stages(coman, squat(solver)) for solver in ("clik", "trajectory"))
     costs = [objective_of(coman, s, squat().ik)["cost"] for s in (before, after)]
     assert costs[1] < 0.97 * costs[0]
@@ -140,7 +140,7 @@ def test_a_squat_of_a_robot_with_hands_free_gets_cheaper(coman: Robot):
 
 
 def test_tasks_are_met_at_every_sample(whole: Stages):
-    """By the floating-base robot; both roots of the tree are stood on."""
+    """Forward kinematics of the floating-base robot; the walk uses both roots of the tree."""
     motion = whole.motion
     assert len(set(whole.tasks.root)) == 2
     assert np.abs(motion.com - motion.com_ref).max() < 1e-5
@@ -149,22 +149,22 @@ def test_tasks_are_met_at_every_sample(whole: Stages):
 
 
 @pytest.mark.parametrize("start", ["free", "posture"])
-def test_it_starts_and_ends_at_rest(melson: Robot, start: str):
+def test_a_motion_starts_and_ends_at_rest(melson: Robot, start: str):
     stages = run_stages(melson, walk(start=start))
     q, dt = stages.joints.angles, stages.tasks.dt
     for speed in (q[1] - q[0], q[-1] - q[-2]):
         assert np.abs(speed).max() / dt < 5e-3  # [rad/s]
 
 
-def test_on_request_it_starts_where_the_closed_loop_ik_does(melson: Robot, closed_loop: Stages):
+def test_on_request_the_motion_starts_as_with_closed_loop_ik(melson: Robot, closed_loop: Stages):
     q = run_stages(melson, walk(start="posture")).joints
     assert np.array_equal(q.angles[:PINNED], closed_loop.joints.angles[:PINNED])
     history = q.report_of(TrajectoryReport).objective
     assert history[-1] < 0.97 * history[0]
 
 
-def test_a_motion_that_may_choose_ends_in_the_posture_that_it_starts_in(melson: Robot):
-    """Soles abreast at both ends: the next motion follows on."""
+def test_a_motion_with_free_ends_ends_in_the_posture_of_its_start(melson: Robot):
+    """The soles are abreast at both ends, so that motions can follow each other."""
     q = run_stages(melson, walk_gait(n_steps=2, ik={"solver": "trajectory", **GAINS})).joints.angles
     assert np.abs(q[-1] - q[0]).max() < 0.01  # [rad]
 
@@ -177,7 +177,7 @@ def test_joints_do_not_jump_where_the_root_changes(whole: Stages):
         assert bends[k - 2 : k + 1].max() <= np.delete(bends, np.arange(k - 5, k + 4)).max()
 
 
-def test_joint_limits_hold_where_the_torques_would_leave_them(melson: Robot):
+def test_the_barrier_keeps_joint_limits_that_least_torque_would_exceed(melson: Robot):
     """Without the barrier the least torque turns a hip beyond its range."""
     free = walk(weight_limit=0.0, weight_joint=0.0, iterations=6)
     with pytest.raises(JointLimitError):
@@ -186,7 +186,7 @@ def test_joint_limits_hold_where_the_torques_would_leave_them(melson: Robot):
     assert np.all((held > melson.lower) & (held < melson.upper))
 
 
-def test_a_joint_that_the_tasks_push_beyond_its_limit_is_refused_or_recorded(melson: Robot):
+def test_a_joint_that_the_tasks_move_beyond_its_limit_is_refused_or_recorded(melson: Robot):
     raised = SHORT | {"step_height": 0.2}  # too high for a knee that bends by 130 deg
     ik = {"solver": "trajectory", "gamma_joint": 0.0, "trajectory": {"iterations": 2}}
     with pytest.raises(JointLimitError):
@@ -210,8 +210,8 @@ def test_the_objective_falls_in_every_iteration(whole: Stages):
     assert np.all(np.diff(history) < 0.0)
 
 
-def test_at_the_end_the_gradient_has_no_part_in_the_null_spaces(melson: Robot, whole: Stages):
-    """Null spaces by singular values; against the part outside, and the one at the start."""
+def test_at_the_end_the_gradient_in_the_null_spaces_is_zero(melson: Robot, whole: Stages):
+    """Null spaces by singular values; compared with the other part and with the start."""
     tuning = TrajectoryIk.from_parameters(walk(tolerance=1e-10, iterations=80).ik)
     problem = Problem(tuning, melson, whole.tasks, whole.com)
     start = problem.at(tuning.closed_loop.solve(melson, whole.tasks, whole.com).angles)
@@ -244,7 +244,7 @@ def test_the_gradient_is_that_of_finite_differences(melson: Robot, whole: Stages
         assert np.sum(gradient * direction) == pytest.approx(slope, rel=1e-4)
 
 
-def test_the_banded_step_is_that_of_a_dense_solve_on_a_short_motion(melson: Robot, whole: Stages):
+def test_the_banded_step_equals_the_dense_one_on_a_short_motion(melson: Robot, whole: Stages):
     """The oracle writes down the whole matrix: second differences as a matrix, blocks of curvature.
 
     It takes its null spaces by singular values: other bases, the same step.
@@ -280,14 +280,14 @@ def test_the_banded_step_is_that_of_a_dense_solve_on_a_short_motion(melson: Robo
 
 
 @pytest.mark.parametrize("n_samples", [4, 5, 30])
-def test_coupling_holds_the_diagonals_of_the_squared_second_differences(n_samples: int):
+def test_coupling_contains_the_diagonals_of_the_squared_second_differences(n_samples: int):
     D = second_differences(np.eye(n_samples))
     square = D.T @ D
     for d, diagonal in enumerate(coupling(n_samples)):
         assert_allclose(diagonal[: n_samples - d], np.diag(square, -d), atol=1e-12)
 
 
-def test_the_barrier_has_the_derivatives_of_finite_differences_inside_and_beyond():
+def test_the_derivatives_of_the_barrier_are_those_of_finite_differences():
     lower, upper = np.array([-1.0, 0.0]), np.array([2.0, 0.5])
     for room in (0.5, 0.01, 2e-3, 3e-5, -0.01):
         for q in (lower + room * (upper - lower), upper - room * (upper - lower)):
@@ -333,6 +333,6 @@ def test_the_settings_of_a_gait_file_reach_the_solver():
     assert not refusing.closed_loop.keep_limits  # the first trajectory may leave limits
 
 
-def test_no_iterations_leave_the_closed_loop_ik_on_its_tasks(melson: Robot, closed_loop: Stages):
+def test_zero_iterations_return_the_closed_loop_ik_on_its_tasks(melson: Robot, closed_loop: Stages):
     angles = run_stages(melson, walk(iterations=0)).joints.angles
     assert_allclose(angles, closed_loop.joints.angles, atol=1e-3)  # Newton steps from 1e-5 m

@@ -53,10 +53,10 @@ def interval(
 
 @pytest.mark.parametrize("shape", DEFINITIONS)
 @given(joint=joints(), place=numbers(0.0, 1.0))
-def test_the_interval_holds_exactly_the_positions_of_the_region(
+def test_the_interval_contains_exactly_the_positions_of_the_region(
     shape: str, joint: tuple[float, float, float, float], place: float
 ):
-    """From inside the limits: a grid over everything within reach and beyond it."""
+    """The joint starts inside its limits; the grid covers more than one step can reach."""
     lower, upper, speed, dt = joint
     q_prev = lower + place * (upper - lower)
     low, high, recovering = interval(shape, *joint, q_prev)
@@ -80,7 +80,7 @@ def test_the_interval_holds_exactly_the_positions_of_the_region(
 def test_both_ends_of_the_interval_are_on_the_edge(
     shape: str, joint: tuple[float, float, float, float], place: float
 ):
-    """There g = 0, to rounding."""
+    """The excess over the region is zero there, up to rounding."""
     lower, upper, speed, dt = joint
     one = np.ones(1)
     region = SafetyRegion(lower * one, upper * one, speed * one, dt, shape)  # type: ignore[arg-type]
@@ -94,7 +94,7 @@ def test_both_ends_of_the_interval_are_on_the_edge(
 
 
 @given(joint=joints(), place=numbers(0.0, 1.0), inner=numbers(-0.5, 1.5))
-def test_excess_is_the_definition_inside_and_outside(
+def test_excess_is_that_of_the_definition_inside_and_outside(
     joint: tuple[float, float, float, float], place: float, inner: float
 ):
     lower, upper, speed, dt = joint
@@ -125,7 +125,7 @@ def test_from_the_limit_one_step_reaches_about_two_d_squared_over_h(
 def test_the_region_is_out_of_reach_exactly_beyond_the_root_of_h2_plus_d2(
     joint: tuple[float, float, float, float], beyond: float
 ):
-    """Just inside that distance a short interval is left; outside, a full step back is taken."""
+    """Just inside that distance there is a short interval; outside, a joint takes a full step."""
     lower, upper, speed, dt = joint
     middle, h, d = 0.5 * (lower + upper), 0.5 * (upper - lower), dt * speed
     edge = np.hypot(h, d)
@@ -144,7 +144,7 @@ def test_the_region_is_out_of_reach_exactly_beyond_the_root_of_h2_plus_d2(
 
 @pytest.mark.parametrize("shape", DEFINITIONS)
 @given(joint=joints(), far=numbers(1.0, 3.0), side=st.sampled_from([-1.0, 1.0]))
-def test_from_far_outside_a_joint_comes_back_at_its_largest_speed(
+def test_from_far_outside_a_joint_returns_at_its_largest_speed(
     shape: str, joint: tuple[float, float, float, float], far: float, side: float
 ):
     lower, upper, speed, dt = joint
@@ -176,7 +176,7 @@ def test_joints_are_independent_and_counted_one_by_one():
 
 
 def test_a_braking_joint_can_always_stop_before_its_limit():
-    """Upwards at the bound of every step: the joint comes to the limit and never beyond it."""
+    """The joint moves up at the bound of every step; it reaches the limit and never exceeds it."""
     for shape in DEFINITIONS:
         q, speeds = 0.0, []
         for _ in range(400):

@@ -1,4 +1,4 @@
-"""Knees and elbows are where a limb is longest, seen from the outside."""
+"""Joints that stretch a limb, against distances by forward kinematics."""
 
 from __future__ import annotations
 
@@ -61,8 +61,8 @@ def test_the_distance_from_hip_to_ankle_is_largest_at_the_angles_found(name: str
 
 
 @pytest.mark.parametrize("name", KNEES)
-def test_nothing_but_limbs_bend(name: str):
-    """One knee a leg, at most one elbow an arm; a twist or an ankle stretches nothing."""
+def test_only_knees_and_elbows_are_found(name: str):
+    """One knee per leg, at most one elbow per arm; twists and ankles do not stretch a limb."""
     robot = load_robot(name)
     joints = [robot.joint_names[j] for j in stretched_joints(robot)[0]]
     assert len(joints) == len(set(joints))

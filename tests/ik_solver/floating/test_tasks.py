@@ -41,7 +41,7 @@ def robot(request: pytest.FixtureRequest) -> Robot:
 
 
 def any_configuration(robot: Robot, rng: np.random.Generator) -> np.ndarray:
-    """Joints anywhere in their ranges, the base anywhere and turned anyhow."""
+    """Random joint angles within their ranges, random position and orientation of the base."""
     quat = rng.normal(size=4)
     joints = rng.uniform(robot.lower, robot.upper)
     return np.concatenate([rng.uniform(-1.0, 1.0, 3), quat / np.linalg.norm(quat), joints])
@@ -67,7 +67,7 @@ def places(robot: Robot, q: np.ndarray) -> dict[Part, tuple[np.ndarray, np.ndarr
 
 
 def displacement(robot: Robot, parts: tuple[Part, ...], q0: np.ndarray, q1: np.ndarray):
-    """How the tasks differ (m,) from q0 to q1; turns as rotation vectors in the world."""
+    """Change (m,) of the tasks from q0 to q1; turns as rotation vectors in the world."""
     before, after = places(robot, q0), places(robot, q1)
     rows = []
     for part in parts:
@@ -101,7 +101,7 @@ def test_the_jacobian_is_the_central_difference_along_the_manifold(robot: Robot,
     rng, h = np.random.default_rng(seed), 1e-5
     q = any_configuration(robot, rng)
     tasks = BodyTasks(robot, PARTS)
-    tasks.update(any_configuration(robot, rng))  # nothing of an earlier update may stay
+    tasks.update(any_configuration(robot, rng))  # no data of an earlier update may remain
     tasks.update(q)
     for j in range(robot.model.nv):
         v = np.zeros(robot.model.nv)
@@ -114,7 +114,7 @@ def test_the_jacobian_is_the_central_difference_along_the_manifold(robot: Robot,
 
 @pytest.mark.parametrize("seed", range(3))
 def test_the_derivative_of_the_com_velocity_is_its_central_difference(robot: Robot, seed: int):
-    """J_com(q) v along the manifold, the base's and the joints' speeds as they are."""
+    """J_com(q) v along the manifold, at constant velocities of base and joints."""
     rng, h = np.random.default_rng(seed), 1e-5
     q, v = any_configuration(robot, rng), rng.normal(size=robot.model.nv)
     tasks = BodyTasks(robot, PARTS)
@@ -130,7 +130,7 @@ def test_the_derivative_of_the_com_velocity_is_its_central_difference(robot: Rob
             for s in (1.0, -1.0)
         )
         assert_allclose(derivative[:, j], (ahead - behind) / (2.0 * h), atol=1e-8)
-    assert np.array_equal(tasks.J, J)  # what was updated stays
+    assert np.array_equal(tasks.J, J)  # the Jacobian does not change
 
 
 def test_rows_are_the_parts_in_their_order(robot: Robot):
@@ -153,7 +153,7 @@ def test_rows_are_the_parts_in_their_order(robot: Robot):
 
 @pytest.mark.parametrize("seed", range(5))
 def test_the_error_is_target_minus_actual_however_far_apart(robot: Robot, seed: int):
-    """Positions differ by the error; the error's turn, in the world, brings R onto R_ref."""
+    """Positions differ by the error; turning R by the error, in the world, gives R_ref."""
     rng = np.random.default_rng(seed)
     q, goal = any_configuration(robot, rng), any_configuration(robot, rng)
     tasks = BodyTasks(robot, PARTS)
@@ -175,7 +175,7 @@ def test_the_error_is_target_minus_actual_however_far_apart(robot: Robot, seed: 
 
 
 def test_a_step_of_J_pinv_times_the_error_comes_closer(robot: Robot):
-    """Signs of error and Jacobian fit each other: Newton's method converges quadratically."""
+    """Error and Jacobian have consistent signs: Newton's method converges quadratically."""
     q = robot.standing_q.copy()
     goal = pin.integrate(
         robot.model, q, np.random.default_rng(1).normal(scale=0.03, size=robot.model.nv)
@@ -270,7 +270,7 @@ def test_targets_are_those_of_the_stages_before():
 # --- parts ------------------------------------------------------------------------------------
 
 
-def test_hands_that_nothing_is_asked_of_are_left_out():
+def test_free_hands_are_left_out():
     robot = load_robot("melson")
     tasks = plan(robot, balance({"task": "left_hand_z", "wave": "constant", "value": 0.02}))
     assert tasks.hands_asked == (True, False)

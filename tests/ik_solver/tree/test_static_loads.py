@@ -1,4 +1,4 @@
-"""Gravity torques on two soles: balanced, inside the limits, least, and continuous."""
+"""Gravity torques on two soles: balance, contact limits, least torque, continuity."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def wrenches_at(
 
 
 def in_sole(stages: Stages, k: int, side: Side, wrench: np.ndarray) -> np.ndarray:
-    """A wrench about the world origin, as one about the sole's centre in the sole's axes."""
+    """A wrench about the world origin, expressed about the sole's centre in the sole's axes."""
     return pin.XYZQUATToSE3(stages.tasks.soles[k, side]).actInv(pin.Force(wrench)).vector
 
 
@@ -75,7 +75,7 @@ def double_samples(stages: Stages, step: int = 7) -> np.ndarray:
 def test_torques_are_those_of_rnea_with_the_contact_wrenches_applied(
     melson: Robot, walk: Stages, trees, sharing
 ):
-    """Floating base, no acceleration: the base needs no force, the joints need tau."""
+    """Without acceleration the floating base needs no force and the joints need tau."""
     loads = StaticLoads(melson, walk.tasks, walk.com, sharing)
     model, data = melson.model, melson.model.createData()
     rest = np.zeros(model.nv)
@@ -96,7 +96,7 @@ def test_torques_are_those_of_rnea_with_the_contact_wrenches_applied(
 
 
 def test_the_shared_torques_are_those_of_the_dynamics_at_rest(melson: Robot, walk: Stages, trees):
-    """A motion that stands still on one sample's pose."""
+    """The motion stands still in the pose of one sample."""
     loads = StaticLoads(melson, walk.tasks, walk.com, "shared")
     for k in double_samples(walk, 23):
         tree = tree_at(trees, walk.tasks, k)
@@ -212,7 +212,7 @@ def test_the_least_torque_is_the_optimum_that_a_general_solver_finds(
 def test_the_gradient_of_the_gravity_task_is_that_of_finite_differences(
     melson: Robot, walk: Stages, trees, sharing, side: Side
 ):
-    """The minimum over the wrench included: its derivative is that at the minimiser."""
+    """The minimum over the wrench is included: its derivative is that at the minimiser."""
     loads = StaticLoads(melson, walk.tasks, walk.com, sharing)
     on_side = [k for k in double_samples(walk, 11) if walk.tasks.root[k] == side]
     assert len(on_side) > 2
@@ -234,7 +234,7 @@ def test_the_gradient_of_the_gravity_task_is_that_of_finite_differences(
 
 @pytest.mark.parametrize("sharing", SHARINGS)
 def test_torques_do_not_depend_on_the_root_of_the_tree(melson: Robot, walk: Stages, trees, sharing):
-    """While both soles stand, the tree of either one tells the same."""
+    """While both soles stand on the ground, both trees give the same torques."""
     tasks = walk.tasks
     swapped = TaskTrajectory(**{**vars(tasks), "root": (1 - tasks.root).astype(np.int8)})
     both = [StaticLoads(melson, t, walk.com, sharing) for t in (tasks, swapped)]
@@ -266,7 +266,9 @@ def test_torques_are_continuous_through_all_phases(melson: Robot, sharing):
     assert jumps[1] < 0.6 * jumps[0]
 
 
-def test_in_single_support_nothing_changes(melson: Robot, walk: Stages, trees):
+def test_in_single_support_the_torques_are_those_of_gravity_alone(
+    melson: Robot, walk: Stages, trees
+):
     for sharing in SHARINGS:
         loads = StaticLoads(melson, walk.tasks, walk.com, sharing)
         single = walk.tasks.support != Support.DOUBLE
@@ -284,27 +286,27 @@ def torques_of(robot: Robot, sharing: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("sharing", SHARINGS)
-def test_the_walk_of_the_paper_gets_by_with_less_torque_than_its_scheme(melson: Robot, sharing):
-    """S3, peak and RMS of all joints over the whole motion, by the inverse dynamics."""
+def test_the_walk_of_the_paper_needs_less_torque_than_with_its_own_scheme(melson: Robot, sharing):
+    """Scenario S3: peak and RMS torque of all joints over the motion, by inverse dynamics."""
     paper, ours = torques_of(melson, "off"), torques_of(melson, sharing)
     assert np.abs(ours).max() < 0.99 * np.abs(paper).max()
     assert np.mean(ours**2) < 0.96 * np.mean(paper**2)
 
 
 @pytest.mark.parametrize("sharing", SHARINGS)
-def test_tasks_are_met_whichever_way_the_weight_is_shared(melson: Robot, sharing):
+def test_tasks_are_met_with_every_rule_of_load_sharing(melson: Robot, sharing):
     gait = walk_gait(n_steps=2, step_length=0.05, ik={"gamma_grav": 1.6, "double_support": sharing})
     motion = run_stages(melson, gait).motion
     assert np.abs(motion.com - motion.com_ref).max() < 2e-4
     assert np.abs(motion.soles - motion.soles_ref).max() < 1e-4
 
 
-def test_off_is_what_yaml_makes_of_it():
+def test_off_may_be_written_without_quotes_in_yaml():
     gait = load_gait("melson/walk_5cm", ("ik.double_support=off",))
     assert gait.ik.double_support == "off"
 
 
-def test_loads_of_a_motion_are_made_without_touching_it(melson: Robot):
+def test_computing_the_loads_changes_no_input(melson: Robot):
     tasks = plan_trajectories(plan_motion(melson, walk_gait(n_steps=1)))
     com: ComTrajectory = generate_com(melson, tasks, walk_gait(n_steps=1).com)
     before = tasks.soles.copy(), com.position.copy()

@@ -62,7 +62,7 @@ def central_difference(function, joints: np.ndarray) -> np.ndarray:
     return np.stack(columns, axis=-1)
 
 
-def test_the_tree_has_every_joint_once(any_robot: Robot, side: Side):
+def test_the_tree_contains_every_joint_once(any_robot: Robot, side: Side):
     tree = build_support_tree(any_robot, side)
     assert sorted(tree.order) == list(range(any_robot.n))
     names = [tree.model.names[j] for j in range(1, tree.model.njoints)]
@@ -99,7 +99,7 @@ def test_placing_the_tree_again_replaces_the_last_place(melson: Robot, side: Sid
 def test_the_mass_matrix_is_that_of_the_floating_robot_held_by_its_sole(
     any_robot: Robot, side: Side
 ):
-    """It holds every inertia, so that none can sit in a wrong place."""
+    """The mass matrix depends on every inertia, so that a misplaced one would change it."""
     tree = build_support_tree(any_robot, side)
     for joints in random_angles(any_robot):
         q, _ = standing(any_robot, side, joints)
@@ -127,7 +127,7 @@ def test_the_model_has_the_mass_and_the_com_of_the_whole_robot(any_robot: Robot,
 def test_gravity_torques_are_those_of_the_floating_robot_held_by_its_sole(
     any_robot: Robot, side: Side
 ):
-    """By virtual work Z^T g, and by the paper -J_com^T M g."""
+    """Compared with virtual work, Z^T g, and with eq. (24) of the paper, -J_com^T M g."""
     tasks = TreeTasks(any_robot, side)
     tasks.place(T_WORLD_SOLE)
     for joints in random_angles(any_robot):
@@ -166,7 +166,7 @@ def test_the_derivative_of_gravity_torques_is_their_difference_quotient(
 
 
 def test_the_sole_may_stand_anywhere_without_changing_torques(any_robot: Robot, side: Side):
-    """Moved and turned about the vertical; tilted it would be another matter."""
+    """The sole is moved and turned about the vertical; a tilt would change the torques."""
     tasks = TreeTasks(any_robot, side)
     q = random_angles(any_robot, 1)[0][tasks.order]
     here, _ = (x.copy() for x in tasks.gravity(q))

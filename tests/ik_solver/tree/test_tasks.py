@@ -66,7 +66,7 @@ def test_the_task_values_are_those_of_the_floating_robot(any_robot: Robot, side:
 
 
 def test_the_error_vanishes_at_the_target_and_points_to_it(any_robot: Robot, side: Side):
-    """A small joint motion dq changes the tasks by J dq, which is the error seen from before."""
+    """A small joint motion dq changes the tasks by J dq, which is the error before the motion."""
     tasks, error = placed_tasks(any_robot, side), np.empty(N_TASKS)
     rng = np.random.default_rng(2)
     for q in random_angles(any_robot):
@@ -80,8 +80,8 @@ def test_the_error_vanishes_at_the_target_and_points_to_it(any_robot: Robot, sid
         assert_allclose(error, tasks.J @ dq, atol=1e-8)  # second order: |dq|^2 is 2e-9
 
 
-def test_the_orientation_error_is_a_rotation_and_no_difference_of_angles(melson: Robot, side: Side):
-    """Turning the sole by the error, about world axes, brings it onto its target, however far."""
+def test_the_orientation_error_is_a_rotation_vector(melson: Robot, side: Side):
+    """Turning the sole by the error about world axes gives its target, at any distance."""
     tasks, error = placed_tasks(melson, side), np.empty(N_TASKS)
     tasks.update(melson.posture[tasks.order])
     R_target = pin.utils.rotate("y", 1.2) @ pin.utils.rotate("x", -1.0)
@@ -90,7 +90,7 @@ def test_the_orientation_error_is_a_rotation_and_no_difference_of_angles(melson:
 
 
 def test_the_tasks_are_independent_in_the_posture(melson: Robot, side: Side):
-    """Full row rank: fifteen tasks for nineteen joints, far from any singularity."""
+    """Fifteen tasks for nineteen joints have full row rank, far from any singularity."""
     tasks = placed_tasks(melson, side)
     tasks.update(melson.posture[tasks.order])
     assert tasks.J.shape == (15, 19)
@@ -98,7 +98,7 @@ def test_the_tasks_are_independent_in_the_posture(melson: Robot, side: Side):
 
 
 @pytest.mark.parametrize("asked", [(False, True), (True, False), (False, False)])
-def test_rows_of_a_hand_that_is_free_are_zero_and_the_others_are_as_ever(
+def test_rows_of_a_free_hand_are_zero_and_the_others_do_not_change(
     any_robot: Robot, side: Side, asked: tuple[bool, bool]
 ):
     free, whole = TreeTasks(any_robot, side, asked), placed_tasks(any_robot, side)
