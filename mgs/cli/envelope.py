@@ -33,17 +33,17 @@ MOST_TIMES = 100
 @click.argument("robot_name", metavar="ROBOT")
 @click.option(
     "--gait", metavar="GAIT.yaml",
-    help="Walking gait whose steps are varied. Default: ten steps in proportion to the size of "
-    "the robot.",
+    help="Walking gait whose steps are varied: a file or the name of a shipped gait. Default: a "
+    "walk of ten steps in proportion to the size of the robot.",
 )  # fmt: skip
 @click.option(
     "--set", "assignments", metavar="KEY=VALUE", multiple=True,
-    help="Change of a value of that gait, e.g. walk.com_height=0.25. May be repeated.",
+    help="Change of a value of this walking gait, e.g. walk.com_height=0.25. May be repeated.",
 )  # fmt: skip
 @click.option(
     "--times", metavar="T,T,...",
-    help="Step times [s], separated by commas. Default: six times in proportion to the time "
-    "constant sqrt(L / g) of a leg of length L.",
+    help="Step times [s], separated by commas. Default: six times in proportion to sqrt(L / g), "
+    "with leg length L and gravity g.",
 )  # fmt: skip
 @click.option(
     "--resolution",
@@ -83,9 +83,9 @@ def envelope(
 ) -> None:
     """Find the longest forward step and the fastest walk of a robot.
 
-    ROBOT is the name of a shipped robot or a robot folder. For each step time the command searches
-    for the longest step with which the walk passes all static checks and the robot stays up in
-    every physics engine.
+    ROBOT is the name of a shipped robot or a robot folder. For each step time (duration of
+    one single and one double support phase) the command searches for the longest step with which
+    the walk passes all static checks and the robot stays up in every physics engine.
 
     Writes envelope.json (all walks that were tried; updated after each step time), envelope.png
     (map of step time, step length and speed) and fastest.yaml (the gait with the highest speed).

@@ -26,12 +26,12 @@ def experiment(name: str, output: Path | None, no_figures: bool, as_json: bool) 
     figures of an earlier run are replaced. A claim that does not hold is a result, not an error:
     the exit code is 0.
 
-    melson: scenarios S1 to S3 and the drift study of "Inverse kinematics of a humanoid robot
-    modelled as a tree-shaped manipulator".
+    melson: scenarios S1 to S3 and the drift study of the article "Inverse kinematics of a humanoid
+    robot modelled as a tree-shaped manipulator".
 
-    faraji: tasks A to H with the solvers ik1 to ik5 on the legs of COMAN, after S. Faraji and A. J.
-    Ijspeert, "Singularity-tolerant inverse kinematics for bipedal robots", IEEE Robotics and
-    Automation Letters, 2017.
+    faraji: tasks A to H with the solvers ik1 to ik5 on the legs of the robot COMAN, after S. Faraji
+    and A. J. Ijspeert, "Singularity-tolerant inverse kinematics for bipedal robots", IEEE Robotics
+    and Automation Letters, 2017.
 
     mistry: sway of the centre of gravity and a figure eight of a hand by prioritized inverse
     kinematics with a floating base, after M. Mistry, J. Nakanishi, G. Cheng and S. Schaal, "Inverse

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option(
     "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
-    help="File to write. Default: FILE.csv or FILE.npz in the folder of FILE.mcap.",
+    help="File to write. Default: path of FILE.mcap with the ending .csv or .npz.",
 )  # fmt: skip
 @click.option(
     "--cycle", "as_cycle", is_flag=True,

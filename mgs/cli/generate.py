@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 @click.argument("gait", metavar="GAIT.yaml")
 @click.option(
     "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
-    help="Motion file to write. Default: outputs/ROBOT/GAIT.mcap.",
+    help="Motion file to write. Default: outputs/ROBOT/GAIT.mcap with the names of robot and "
+    "gait.",
 )  # fmt: skip
 @click.option(
     "--robot", "robot_name", metavar="NAME_OR_DIR",
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option(
     "--ik", metavar="NAME",
-    help="Inverse-kinematics solver to use instead of ik.solver in the gait file.",
+    help="Inverse-kinematics solver to use instead of ik.solver in the gait file: clik, ik1 to "
+    "ik5, prioritized, prioritized-acceleration, trajectory, or a solver of another package.",
 )  # fmt: skip
 @click.option(
     "--set", "assignments", metavar="KEY=VALUE", multiple=True,
@@ -49,8 +51,9 @@ def generate(
     joint trajectory with its references, for mgs validate and other tools. mgs schema gait
     describes the keys of a gait file.
 
-    Prints tracking errors, margins, the distance of the zero-moment point (ZMP) of the whole robot
-    from its plan, and the computing time. Exit code 1 if the robot cannot perform the gait.
+    Prints tracking errors, distances from joint limits and from the edge of the support polygon,
+    the distance of the zero-moment point (ZMP) of the whole robot from its plan, and the computing
+    time. CoM means centre of mass. Exit code 1 if the robot cannot perform the gait.
 
     \b
     Examples:

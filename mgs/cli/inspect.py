@@ -46,7 +46,7 @@ def info(file: Path, as_json: bool) -> None:
 @motion_argument
 @click.option(
     "-o", "--output", type=click.Path(file_okay=False, path_type=Path),
-    help="Folder for the pictures. Default: FILE, in the folder of FILE.mcap.",
+    help="Folder for the pictures. Default: path of FILE.mcap without the ending .mcap.",
 )  # fmt: skip
 @click.option(
     "--format", "fmt", type=click.Choice(["png", "svg"]), default="png", show_default=True,

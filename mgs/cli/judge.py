@@ -48,7 +48,8 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option(
     "--ranges", type=click.Choice(["wide", "lab"]), default="wide",
-    help="Ranges of the random conditions: wide, or lab with half of the width. Default: wide.",
+    help="Ranges of the random conditions for --monte-carlo and --sample: wide, or half as wide "
+    "(lab). Default: wide.",
 )  # fmt: skip
 @click.option(
     "--seed", type=click.IntRange(0), default=0, help="Seed of the random conditions. Default: 0."
@@ -59,7 +60,8 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option(
     "--sample", metavar="K", type=click.IntRange(0),
-    help="Replay the motion under random conditions number K instead of the planned conditions.",
+    help="Repeat draw number K (from 0) of --monte-carlo with the same --seed and --ranges, "
+    "instead of a replay under the planned conditions.",
 )  # fmt: skip
 @click.option(
     "--servo-sweep", is_flag=True,
@@ -98,8 +100,8 @@ def validate(
 
     With --monte-carlo N the motion is also replayed N times under random conditions: floor
     friction, slope and bumps, masses, centre of mass, servo gains, supply voltage, latency, joint
-    zero positions and the sag of PD servos vary. The robot has to stay up in at least 95 % of these
-    replays. They use the first kind of servos that --servo names.
+    zero positions and the sag of PD servos (position error at stall torque) vary. The robot has to
+    stay up in at least 95 % of these replays. They use the first kind of servos that --servo names.
 
     Exit code 0 if all checks pass, 1 if a check fails.
 
@@ -150,14 +152,18 @@ def validate(
     "--engine", type=click.Choice(["pybullet", "mujoco"]),
     help="Physics engine. Default: pybullet if installed, else mujoco.",
 )  # fmt: skip
-@click.option("--step", type=FiniteRange(1e-5, 0.01), help="Time step of the simulation [s].")
+@click.option(
+    "--step",
+    type=FiniteRange(1e-5, 0.01),
+    help="Time step of the simulation [s]. Default: 0.001 in PyBullet, 0.0005 in MuJoCo.",
+)
 @click.option(
     "--iterations", type=click.IntRange(1, 10_000),
-    help="Largest number of iterations of the contact solver per time step.",
+    help="Largest number of iterations of the contact solver per time step. Default: 50.",
 )  # fmt: skip
 @click.option(
     "--friction", type=FiniteRange(0.0, 10.0),
-    help="Friction coefficient between soles and ground.",
+    help="Friction coefficient between soles and ground. Default: 1.",
 )  # fmt: skip
 @servo_option
 @sag_option

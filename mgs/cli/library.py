@@ -24,11 +24,12 @@ folder_argument = click.argument(
 )
 where_option = click.option(
     "--where", metavar="CONDITION",
-    help='Condition that selects gaits, e.g. "speed > 0.1 and survived".',
+    help='Condition that selects gaits, e.g. "speed > 0.1 and survived". Default: all gaits.',
 )  # fmt: skip
 columns_option = click.option(
     "--columns", metavar="NAME,NAME",
-    help="Columns to output, separated by commas. mgs library query DIR --names lists them.",
+    help="Columns to output, separated by commas; mgs library query DIR --names lists their "
+    "names. Default: all columns except the results of single checks.",
 )  # fmt: skip
 
 
@@ -52,11 +53,15 @@ def library() -> None:
 @columns_option
 @click.option(
     "--order", metavar="COLUMN",
-    help="Column, or arithmetic expression of columns, by which the gaits are sorted.",
+    help="Column, or arithmetic expression of columns, by which the gaits are sorted. Default: "
+    "number.",
 )  # fmt: skip
 @click.option("--reverse", is_flag=True, help="Sort in descending order.")
 @click.option(
-    "--limit", metavar="N", type=click.IntRange(1), help="Largest number of gaits to print."
+    "--limit",
+    metavar="N",
+    type=click.IntRange(1),
+    help="Largest number of gaits to print. Default: no limit.",
 )
 @click.option("--names", is_flag=True, help="Print the names of all columns instead of the gaits.")
 @json_option
@@ -72,9 +77,10 @@ def query(
 ) -> None:
     """Print the gaits of a library that meet a condition.
 
-    A condition consists of names of columns, numbers, 'texts', and, or, not, == != < <= > >=,
-    in [..], is None, + - * / and abs(). A comparison with a missing value is false, e.g. with
-    `survived` in a library without replays.
+    A condition compares columns with numbers or with 'texts' in quotes by ==, !=, <, <=, >, >=,
+    in [..] or is None. Comparisons are joined by and, or, not; columns and numbers by +, -, *, /
+    and abs(). A comparison with a missing value is false, e.g. with `survived` in a library
+    without replays.
 
     \b
     Examples:

@@ -15,8 +15,9 @@ if TYPE_CHECKING:
 F = TypeVar("F", bound=Callable[..., Any])
 KINDS = ("ideal", "model", "pd")  # as mgs.sim.SERVOS, whose import would slow down --help
 KINDS_TEXT = (
-    "ideal position control (ideal), the servo models of robot.yaml (model), or PD control with "
-    "the stall torques and no-load speeds of robot.yaml (pd)"
+    "ideal position control (ideal), the servo models of robot.yaml (model), or "
+    "proportional-derivative (PD) control with the stall torques and no-load speeds of robot.yaml "
+    "(pd)"
 )
 
 
@@ -48,9 +49,9 @@ def servos_option_of(default: str) -> Callable[[F], F]:
 servo_option = servo_option_of("ideal")
 feed_forward_option = click.option(
     "--feed-forward/--no-feed-forward", default=None,
-    help="Commands to servos that are not ideal: angles that compensate their position error under "
-    "load, or the planned angles. Default: --feed-forward for servo models, --no-feed-forward for "
-    "PD servos.",
+    help="Angles that servos other than ideal ones receive: planned angles plus a compensation of "
+    "the position error under load (--feed-forward), or the planned angles (--no-feed-forward). "
+    "Default: --feed-forward with servo models, --no-feed-forward with PD servos.",
 )  # fmt: skip
 sag_option = click.option(
     "--sag", "sag_deg", metavar="DEG", type=FiniteRange(0.01, 90.0),

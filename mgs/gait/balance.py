@@ -26,8 +26,8 @@ class Channel(Model):
     """
 
     task: ChannelName = Field(
-        description="Coordinate that moves: a position of the CoM or of a hand [m], or a rotation "
-        "of the torso [rad]."
+        description="Coordinate that moves: a position of the centre of mass (com) or of a hand "
+        "[m], or a rotation of the torso [rad]."
     )
 
 
@@ -36,7 +36,8 @@ class ConstantChannel(Channel):
 
     wave: Literal["constant"] = Field(description="Shape of the displacement over time.")
     value: Displacement = Field(
-        description="Displacement from rest [m or rad], in rad for the torso."
+        description="Displacement from the value at rest: [m] for centre of mass and hands, [rad] "
+        "for the torso."
     )
 
 
@@ -48,7 +49,8 @@ class SineChannel(Channel):
 
     wave: Literal["sine"] = Field(description="Shape of the displacement over time.")
     amplitude: Displacement = Field(
-        description="Largest displacement from rest [m or rad], in rad for the torso."
+        description="Largest displacement from the value at rest: [m] for centre of mass and "
+        "hands, [rad] for the torso."
     )
     frequency: Frequency = Field(description="Number of periods per second [Hz].")
     phase: float = Field(
@@ -64,13 +66,18 @@ class RampChannel(Channel):
 
     wave: Literal["ramp"] = Field(description="Shape of the displacement over time.")
     value: Displacement = Field(
-        description="Final displacement from rest [m or rad], in rad for the torso."
+        description="Final displacement from the value at rest: [m] for centre of mass and hands, "
+        "[rad] for the torso."
     )
     start: float = Field(
-        ge=0.0, le=MAX_SECONDS, description="Start of the ramp, from the start of the motion [s]."
+        ge=0.0,
+        le=MAX_SECONDS,
+        description="Time at which the ramp starts, measured from the start of the motion [s].",
     )
     end: float = Field(
-        ge=0.0, le=MAX_SECONDS, description="End of the ramp, from the start of the motion [s]."
+        ge=0.0,
+        le=MAX_SECONDS,
+        description="Time at which the ramp ends, measured from the start of the motion [s].",
     )
 
     @model_validator(mode="after")
@@ -92,11 +99,17 @@ class FigureEightChannel(Model):
     )
     plane: Literal["xy", "xz", "yx", "yz", "zx", "zy"] = Field(
         "yz",
-        description="Plane of the figure eight: first the axis along which both loops lie side by "
-        "side, then the other axis.",
+        description="Plane of the figure eight, two axes: along the first one the two loops lie "
+        "side by side.",
     )
-    width: Displacement = Field(description="Extent along the first axis of the plane [m].")
-    height: Displacement = Field(description="Extent along the second axis of the plane [m].")
+    width: Displacement = Field(
+        description="Extent of the figure eight along the first axis of the plane [m]; a negative "
+        "value reverses the direction of the motion along this axis."
+    )
+    height: Displacement = Field(
+        description="Extent of the figure eight along the second axis of the plane [m]; a "
+        "negative value reverses the direction of the motion along this axis."
+    )
     frequency: Frequency = Field(description="Number of complete figures per second [Hz].")
 
 
@@ -108,8 +121,8 @@ AnyChannel = Annotated[
 class BalanceParameters(Model):
     """Parameters of a motion on fixed feet that moves centre of mass (CoM), torso and hands.
 
-    Each of them follows the sum of its channels. The motion begins and ends in the half-sitting
-    posture. A hand without a channel has no task.
+    Each coordinate follows the sum of its channels. The motion begins and ends in the half-sitting
+    posture (standing with bent knees). A hand without a channel has no task: its position is free.
     """
 
     duration: float = Field(gt=0.0, le=MAX_SECONDS, description="Duration of the whole motion [s].")
@@ -127,16 +140,16 @@ class BalanceParameters(Model):
         None,
         ge=1e-3,
         le=3.0,
-        description="Height of the CoM above the ground without displacement [m]; null: height in "
-        "the half-sitting posture of the robot.",
+        description="Height of the centre of mass above the ground [m], to which the "
+        "displacements are added; null: height in the half-sitting posture of the robot.",
     )
     com_tolerance: float = Field(
         COM_TOLERANCE,
         gt=0.0,
         le=1.0,
-        description="Largest allowed distance of the CoM from its reference [m]. Increase it if "
-        "channels are beyond the reach of the robot; the solvers ik1 to ik5 then come as close "
-        "as possible.",
+        description="Largest allowed distance of the centre of mass from its reference [m]. "
+        "Increase this value if the channels are beyond the reach of the robot; the solvers ik1 "
+        "to ik5 then come as close as possible.",
     )
     channels: list[AnyChannel] = Field(
         min_length=1,

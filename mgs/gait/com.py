@@ -14,33 +14,46 @@ from mgs.gait.names import GeneratorName, own_parameters
 class ComParameters(Model):
     """Parameters of the motion of the centre of mass (CoM) and of the dynamic filter.
 
-    A generator computes the CoM motion from the reference of the zero-moment point (ZMP). The
-    dynamic filter then corrects it until the ZMP of the whole robot is as planned.
+    A generator computes the CoM motion from the reference of the zero-moment point (ZMP), with the
+    robot as a point mass. The dynamic filter then corrects the CoM motion until the ZMP of the
+    whole robot is as planned.
     """
 
     generator: GeneratorName = Field(
         "preview",
-        description="Name of the CoM generator. preview: preview control, which follows the ZMP "
-        "reference; qp: quadratic program, which minimizes jerk and ZMP error and keeps the ZMP "
-        "inside the support polygon by the distance margin; any other name: a generator of "
-        "another package.",
+        description="Name of the generator of the centre-of-mass (CoM) motion. preview: preview "
+        "control, which follows the reference of the zero-moment point (ZMP); qp: quadratic "
+        "program, which minimizes CoM jerk and ZMP error and keeps the ZMP inside the support "
+        "polygon, at least `margin` from its edge; any other name: a generator of another "
+        "package.",
     )
-    preview: float = Field(1.6, ge=0.1, le=10.0, description="Length of the preview window [s].")
+    preview: float = Field(
+        1.6,
+        ge=0.1,
+        le=10.0,
+        description="Length of the preview window: duration of the future reference that preview "
+        "control takes into account [s].",
+    )
     weight_error: float = Field(
-        1.0, gt=0.0, le=1e12, description="Weight Q_e of the squared ZMP error [1/m^2]."
+        1.0,
+        gt=0.0,
+        le=1e12,
+        description="Weight Q_e of the squared error of the zero-moment point (ZMP) [1/m^2]; only "
+        "the ratio of weight_jerk to weight_error matters.",
     )
     weight_jerk: float = Field(
         1e-6,
         gt=0.0,
         le=1e6,
-        description="Weight R of the squared jerk of the CoM [s^6/m^2]; its effect depends on dt.",
+        description="Weight R of the squared jerk of the centre of mass [s^6/m^2]; its effect "
+        "depends on the sampling period dt.",
     )
     margin: float = Field(
         0.0,
         ge=0.0,
         le=1.0,
-        description="Smallest distance of the ZMP from the edge of the support polygon [m]; for "
-        "the generator qp.",
+        description="Smallest distance of the zero-moment point (ZMP) from the edge of the "
+        "support polygon [m]; for the generator qp only.",
     )
     passes: int = Field(
         3,
@@ -52,12 +65,13 @@ class ComParameters(Model):
         2e-4,
         gt=0.0,
         le=1.0,
-        description="Mean ZMP error of the whole robot at which the dynamic filter stops [m].",
+        description="Mean distance between the zero-moment point (ZMP) of the whole robot and its "
+        "plan below which the dynamic filter stops [m].",
     )
     parameters: dict[str, Any] = Field(
         {},
-        description="Parameters of a CoM generator of another package; its documentation lists "
-        "them.",
+        description="Parameters of a generator of another package; the documentation of that "
+        "package lists them.",
     )
 
     @field_validator("parameters")

@@ -34,20 +34,20 @@ class FarajiParameters(Model):
 
     hard: list[TaskName] = Field(
         ["soles", "torso", "hands"],
-        description="Hard tasks, which are met exactly; a task without a reference in the motion "
-        "is ignored.",
+        description="Hard tasks, which the solver meets exactly; com is the centre of mass. A "
+        "task without a reference in the motion is ignored.",
     )
     soft: dict[TaskName, Weight] = Field(
         {"com": [1.0, 1.0, 1.0]},
-        description="Soft tasks, which may be compromised, each with the weights Q of its x, y "
-        "and z components.",
+        description="Soft tasks, which the solver meets as well as possible, each with the "
+        "weights Q of its x, y and z components; com is the centre of mass.",
     )
     damping: float = Field(
         1e-4,
         gt=0.0,
         le=1e3,
-        description="Weight R of the squared joint steps; use 1e-2 for ik1 to ik3 if a leg "
-        "stretches.",
+        description="Weight R of the squared changes of the joint angles in one iteration; use "
+        "1e-2 for ik1 to ik3 if a leg stretches.",
     )
     gamma: float = Field(
         10.0,
@@ -62,7 +62,8 @@ class FarajiParameters(Model):
     )
     region: Literal["ellipse", "polygon"] = Field(
         "ellipse",
-        description="Shape of the safety region of joint position and speed, for ik3 to ik5.",
+        description="Shape of the region of allowed joint positions and speeds (safety region), "
+        "for ik3 to ik5.",
     )
     speed_max: float | None = Field(
         None,
@@ -75,7 +76,7 @@ class FarajiParameters(Model):
         0.0,
         ge=0.0,
         le=1.0,
-        description="Distance q_s that is kept from the joint limits [rad].",
+        description="Smallest distance q_s from the joint limits [rad].",
     )
     posture_weight: float | None = Field(
         None,
@@ -107,7 +108,8 @@ class PrioritizedParameters(Model):
     critical: list[PartName] = Field(
         ["soles", "com_xy"],
         description="Tasks of the highest priority (level A), which the lower levels cannot "
-        "disturb; soles must be among them.",
+        "disturb; soles must be among them; com, com_xy and com_z are the centre of mass, its "
+        "horizontal and its vertical position.",
     )
     functional: list[PartName] = Field(
         ["hands"], description="Tasks of the middle priority (level B)."
@@ -155,28 +157,28 @@ class PrioritizedParameters(Model):
 class TrajectoryParameters(Model):
     """Parameters of the solver trajectory, which optimizes the joint angles of all samples at once.
 
-    It minimizes a weighted sum of costs over the motion, with all tasks as constraints.
+    The solver minimizes a weighted sum of costs over the motion, with all tasks as constraints.
     """
 
     start: Literal["free", "posture"] = Field(
         "free",
-        description="Initial posture. free: the posture of least cost; posture: the initial "
-        "posture of the solver clik, which is as close to the half-sitting posture as the tasks "
-        "permit.",
+        description="Posture at the start of the motion. free: the posture of least cost; "
+        "posture: that of the solver clik, which is as close to the half-sitting posture as the "
+        "tasks permit.",
     )
     weight_joint: float = Field(
         0.35,
         ge=0.0,
         le=1e3,
-        description="Weight of the joint-limit cost H_joint, which grows with the distance of "
-        "joints from the middle of their ranges.",
+        description="Weight of the joint-limit cost H_joint, which increases with the distance of "
+        "the joints from the middle of their ranges.",
     )
     weight_grav: float = Field(
         1.6,
         ge=0.0,
         le=1e3,
-        description="Weight of the gravity-torque cost H_grav, the sum of squared static joint "
-        "torques [1/(N m)^2].",
+        description="Weight of the gravity-torque cost H_grav, half the sum of the squared static "
+        "joint torques [1/(N m)^2].",
     )
     weight_acceleration: float = Field(
         3e-5,
@@ -200,7 +202,7 @@ class TrajectoryParameters(Model):
 
 
 class IkParameters(Model):
-    """Inverse kinematics: solver, its parameters, and what happens at joint limits."""
+    """Inverse kinematics (IK): solver, its parameters, and the reaction to joint limits."""
 
     solver: SolverName = Field(
         "clik",
@@ -214,50 +216,51 @@ class IkParameters(Model):
         ge=0.0,
         le=1e3,
         description="Gain of the null-space motion that keeps joints away from their limits "
-        "[rad^2/s]; for the solver clik.",
+        "[rad^2/s]; for the solver clik; 0: no such motion.",
     )
     gamma_grav: float = Field(
         0.0,
         ge=0.0,
         le=1e3,
-        description="Gain of the null-space motion that reduces static joint torques "
-        "[1/((N m)^2 s)]; for the solver clik; 0: none.",
+        description="Gain of the null-space motion that reduces static joint torques [1/((N m)^2 "
+        "s)]; for the solver clik; 0: no such motion.",
     )
     gamma_grav_ramp: float = Field(
         0.2,
         ge=1e-4,
         le=10.0,
-        description="Duration over which null-space motion sets in at the start and fades out at "
-        "the end of the motion [s]; for the solver clik. With double_support: off also the "
-        "duration over which gamma_grav decreases to zero before each double support and "
-        "increases after it.",
+        description="Duration over which the null-space motion sets in at the start and fades out "
+        "at the end of the motion [s]; for the solver clik. With `double_support: off`, "
+        "gamma_grav also decreases to zero over this duration before each double support phase, "
+        "and increases again after it.",
     )
     double_support: SharingName = Field(
         "shared",
-        description="Load distribution between both soles for the static joint torques in double "
-        "support, for the solvers clik and trajectory. off: torques are ignored in double "
-        "support; shared: in the proportion that the ZMP reference gives; optimal: the "
-        "distribution of least torque inside friction cones and soles.",
+        description="Assumed distribution of the weight between both soles in double support, "
+        "from which the static joint torques follow; for the solvers clik and trajectory. off: "
+        "torques are ignored in double support; shared: weight in the proportion that the "
+        "reference of the zero-moment point (ZMP) gives; optimal: distribution of least joint "
+        "torques with contact forces inside friction cones and soles.",
     )
     iterations: int | None = Field(
         None,
         ge=0,
         le=50,
         description="Number of iterations in each sampling period. For clik: Newton updates after "
-        "the step; null: as many as the tolerance needs, normally none. For ik2, ik4 and ik5: "
-        "iterations n, at least 1; null: 15.",
+        "the first step; null: as many as the tolerance requires, normally none. For ik2, ik4 and "
+        "ik5: iterations n, at least 1; null: 15.",
     )
     torso: Literal["free", "upright", "hold"] = Field(
         "free",
-        description="Orientation of the torso that clik keeps as far as its other tasks allow. "
-        "free: none; upright: its axis vertical, its heading that of the soles; hold: the "
-        "orientation in the half-sitting posture, turned with the soles.",
+        description="Orientation of the torso that the solver clik keeps as far as its other "
+        "tasks allow. free: no orientation; upright: z axis of the torso vertical and heading of "
+        "the soles; hold: orientation in the half-sitting posture, turned with the soles.",
     )
     on_limit: Literal["refuse", "record"] = Field(
         "refuse",
-        description="Reaction to a joint that leaves its range and, in the solvers other than clik "
-        "and trajectory, to a task that is missed. refuse: no motion is made; record: the motion "
-        "is made, and mgs validate reports the violation.",
+        description="Reaction if a joint leaves its range or, in the solvers other than clik and "
+        "trajectory, if a task is missed. refuse: no motion is made, and an error states the "
+        "reason; record: the motion is made, and mgs validate reports the violation.",
     )
     faraji: FarajiParameters = Field(
         default_factory=FarajiParameters, description="Parameters of the solvers ik1 to ik5."
@@ -271,7 +274,8 @@ class IkParameters(Model):
     )
     parameters: dict[str, Any] = Field(
         {},
-        description="Parameters of a solver of another package; its documentation lists them.",
+        description="Parameters of a solver of another package; the documentation of that package "
+        "lists them.",
     )
 
     @field_validator("parameters")
@@ -283,7 +287,7 @@ class IkParameters(Model):
 
 
 class WholeBodyIkParameters(IkParameters):
-    """Inverse kinematics of motions that also prescribe the torso and joint postures."""
+    """Inverse kinematics (IK) of motions that also prescribe torso orientation and postures."""
 
     solver: SolverName = Field(
         "ik4",

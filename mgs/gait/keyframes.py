@@ -26,79 +26,84 @@ JointAngle = Annotated[float, Field(ge=-7.0, le=7.0)]
 
 
 class Keyframe(Model):
-    """State of the body at one time; a quantity without a value keeps that of the key before.
+    """State of the body at one time; a quantity without a value keeps its value from before.
 
     Axes of the world frame: x forward, y to the left, z up.
     """
 
     time: float = Field(
-        gt=0.0, le=MAX_SECONDS, description="Time at which the body reaches this state [s]."
+        gt=0.0,
+        le=MAX_SECONDS,
+        description="Time at which the body reaches this state, measured from the start of the "
+        "motion [s].",
     )
     hold: float = Field(
         0.0, ge=0.0, le=MAX_SECONDS, description="Duration for which this state is held [s]."
     )
     rest: bool = Field(
         False,
-        description="If true, all quantities return to their values at rest; other entries of the "
-        "key are applied afterwards.",
+        description="Whether all quantities return to their values at rest; true: they do, except "
+        "those that this keyframe gives.",
     )
     com: Vector | None = Field(
         None,
-        description="Displacement x, y, z of the CoM from its position at rest [m]; null: as in "
-        "the key before.",
+        description="Displacement x, y, z of the centre of mass from its position at rest [m]; "
+        "null: as in the keyframe before.",
     )
     crouch: float | None = Field(
         None,
         ge=-50.0,
         le=100.0,
-        description="Lowering of the CoM below its height at rest [% of the leg length]; negative: "
-        "raising; added to com; null: as in the key before.",
+        description="Distance by which the centre of mass is lowered from its height at rest [% "
+        "of the leg length]; negative: raised; added to the z displacement of com; null: as in "
+        "the keyframe before.",
     )
     torso: Turns | None = Field(
         None,
         description="Roll, pitch and yaw of the torso relative to its orientation at rest [rad]; "
-        "null: as in the key before.",
+        "null: as in the keyframe before.",
     )
     left_hand: Vector | None = Field(
         None,
-        description="Displacement x, y, z of the left hand from its position at rest [m]; null: as "
-        "in the key before.",
+        description="Displacement x, y, z of the left hand from its position at rest [m]; null: "
+        "as in the keyframe before.",
     )
     right_hand: Vector | None = Field(
         None,
         description="Displacement x, y, z of the right hand from its position at rest [m]; null: "
-        "as in the key before.",
+        "as in the keyframe before.",
     )
     posture: dict[str, JointAngle] = Field(
         {},
-        description="Joint angles by joint [rad]: of arms, head and waist, and with balance: off "
-        "of the legs too; other joints keep their angles.",
+        description="Angles by name of the joint [rad], for joints of arms, head and waist, and "
+        "with `balance: off` also of the legs; joints that are not named keep their angles.",
     )
 
 
 class KeyframesParameters(Model):
-    """Parameters of a motion on fixed feet from key to key, with minimum jerk in between.
+    """Parameters of a motion from keyframe to keyframe, with minimum jerk in between.
 
-    The motion begins in the half-sitting posture. If any key names a hand, this hand is a task
-    during the whole motion and the joints of its arm follow; all other joints of arms, head and
-    waist follow `posture`.
+    The robot stands on fixed feet and begins in the half-sitting posture (with bent knees). If any
+    keyframe displaces a hand, this hand is a task during the whole motion, and the joints of its
+    arm follow from this task; all other joints of arms, head and waist follow `posture`. With
+    `balance: off`, all joints follow `posture`.
     """
 
     balance: Switch = Field(
         "on",
         description="Whether balance is planned. on: the robot stands on both feet during the "
-        "motion; off: keys are joint postures only, and the motion passes if the robot stands at "
-        "its end.",
+        "motion; off: each keyframe is a joint posture only, and the motion passes if the robot "
+        "stands at its end.",
     )
     lying: Literal["front", "back"] | None = Field(
         None,
-        description="Side on which the robot lies at the start, for balance: off; null: the robot "
-        "stands.",
+        description="Side on which the robot lies at the start, only with `balance: off`; null: "
+        "the robot stands.",
     )
     begin: dict[str, JointAngle] = Field(
         {},
-        description="Initial joint angles by joint [rad], for balance: off; other joints start in "
-        "the half-sitting posture.",
+        description="Initial angles by name of the joint [rad], only with `balance: off`; joints "
+        "that are not named start in the half-sitting posture.",
     )
     rest: float = Field(
         0.5, ge=0.0, le=60.0, description="Duration of rest at the start and at the end [s]."
@@ -107,11 +112,13 @@ class KeyframesParameters(Model):
         COM_TOLERANCE,
         gt=0.0,
         le=1.0,
-        description="Largest allowed distance of the CoM from its reference [m]. Increase it if "
-        "keys ask for more height than the legs can reach.",
+        description="Largest allowed distance of the centre of mass from its reference [m]. "
+        "Increase this value if keyframes ask for more height than the legs can reach.",
     )
     keys: list[Keyframe] = Field(
-        min_length=1, max_length=200, description="States of the body, in order of time."
+        min_length=1,
+        max_length=200,
+        description="List of keyframes (states of the body), in order of time.",
     )
 
     @property

@@ -21,13 +21,13 @@ class BallParameters(Model):
 
     x: Annotated[float, Field(ge=-2.0, le=2.0)] | None = Field(
         None,
-        description="Position of the centre of the ball along x [m]; null: the best position for "
-        "the strike.",
+        description="Position of the centre of the ball along x [m]; null: the distance at which "
+        "the foot strikes best, derived from leg length and sole length.",
     )
     y: Annotated[float, Field(ge=-2.0, le=2.0)] | None = Field(
         None,
-        description="Position of the centre of the ball along y [m]; null: in front of the kicking "
-        "foot.",
+        description="Position of the centre of the ball along y [m]; null: in front of the "
+        "kicking foot, in the direction of the kick.",
     )
     radius: float = Field(0.0325, gt=0.0, le=0.5, description="Radius of the ball [m].")
     mass: float = Field(0.05, gt=0.0, le=10.0, description="Mass of the ball [kg].")
@@ -68,29 +68,36 @@ class KickParameters(Model):
         None,
         gt=0.0,
         le=2.0,
-        description="Lateral distance of the sole centres [m]; null: their distance in the "
-        "half-sitting posture of the robot.",
+        description="Lateral distance between the centres of both soles [m]; null: their distance "
+        "in the half-sitting posture of the robot.",
     )
     com_height: float | None = Field(
         None,
         ge=1e-3,
         le=3.0,
-        description="Height of the CoM above the ground [m]; null: height in the half-sitting "
-        "posture of the robot.",
+        description="Height of the centre of mass above the ground [m]; null: height in the "
+        "half-sitting posture of the robot.",
     )
     zmp_offset: Annotated[list[Length], Field(min_length=2, max_length=2)] = Field(
         [0.0, 0.0],
-        description="Reference position of the ZMP on the support sole: forward and inward "
-        "distance from the centre of the sole [m].",
+        description="Reference position of the zero-moment point (ZMP) on the support sole: "
+        "distance forward and distance towards the other foot, both from the centre of the sole "
+        "[m].",
     )
     lead_in: Duration = Field(
         1.8,
-        description="Duration of rest before the weight shift [s]; not shorter than com.preview.",
+        description="Duration of rest before the weight shift [s]; at least com.preview.",
     )
     shift: Duration = Field(
-        0.8, description="Duration of the weight shift onto the support foot, and of that back [s]."
+        0.8,
+        description="Duration of each of the two weight shifts: onto the support foot, and back "
+        "onto both feet [s].",
     )
-    lift: Duration = Field(0.3, description="Duration of raising the foot, and of lowering it [s].")
+    lift: Duration = Field(
+        0.3,
+        description="Duration of each of two motions: raising the foot, and lowering the foot at "
+        "the end [s].",
+    )
     draw: Duration = Field(0.4, description="Duration of drawing the foot back [s].")
     recover: Duration = Field(
         0.5,
@@ -98,6 +105,5 @@ class KickParameters(Model):
     )
     lead_out: Duration = Field(
         1.8,
-        description="Duration of rest after the last weight shift [s]; not shorter than "
-        "com.preview.",
+        description="Duration of rest after the last weight shift [s]; at least com.preview.",
     )

@@ -35,11 +35,13 @@ class GaitFile(Model):
         None,
         min_length=1,
         max_length=4096,
-        description="Name of a shipped robot, or path of a robot folder; null: given by the option "
-        "--robot.",
+        description="Name of a shipped robot, or path of a robot folder; null: given by the "
+        "option --robot of mgs generate, or by the sequence that contains the gait.",
     )
     motion: str
-    dt: float = Field(0.01, ge=1e-4, le=0.1, description="Sampling period [s].")
+    dt: float = Field(
+        0.01, ge=1e-4, le=0.1, description="Sampling period of the joint trajectory [s]."
+    )
 
     @property
     def com_tolerance(self) -> float:
@@ -83,9 +85,12 @@ class WalkGait(GaitFile):
     """A gait file with `motion: walk`."""
 
     motion: Literal["walk"] = Field(description="Kind of motion.")
-    walk: WalkParameters = Field(description="Footsteps, timing and ZMP of the walk.")
+    walk: WalkParameters = Field(
+        description="Footsteps, timing and zero-moment point (ZMP) of the walk."
+    )
     com: ComParameters = Field(
-        default_factory=ComParameters, description="CoM motion and its correction."
+        default_factory=ComParameters,
+        description="Motion of the centre of mass and its correction by the dynamic filter.",
     )
     ik: IkParameters = Field(
         default_factory=IkParameters, description="Inverse kinematics solver and its parameters."
@@ -118,7 +123,8 @@ class KickGait(GaitFile):
         default_factory=KickParameters, description="Ball, strike and timing of the kick."
     )
     com: ComParameters = Field(
-        default_factory=ComParameters, description="CoM motion and its correction."
+        default_factory=ComParameters,
+        description="Motion of the centre of mass and its correction by the dynamic filter.",
     )
     ik: IkParameters = Field(
         default_factory=IkParameters, description="Inverse kinematics solver and its parameters."
@@ -148,7 +154,9 @@ class BalanceGait(GaitFile):
     """A gait file with `motion: balance`."""
 
     motion: Literal["balance"] = Field(description="Kind of motion.")
-    balance: BalanceParameters = Field(description="Displacements of CoM, torso and hands.")
+    balance: BalanceParameters = Field(
+        description="Displacements of centre of mass, torso and hands."
+    )
     ik: IkParameters = Field(
         default_factory=IkParameters, description="Inverse kinematics solver and its parameters."
     )

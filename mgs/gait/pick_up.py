@@ -16,41 +16,45 @@ Position = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
 class PickUpParameters(Model):
     """Parameters of picking up an object on fixed feet.
 
-    The hand moves above the object, straight down, waits, moves straight up and returns to its
-    position at rest. The origin of the world frame lies on the ground midway between the soles; x
-    points forward, y to the left, z up.
+    The hand moves to a point above the object, then straight down, grasps, moves straight up and
+    returns to its position at rest. The origin of the world frame lies on the ground midway between
+    the soles; x points forward, y to the left, z up.
     """
 
     hand: Literal["left", "right", "both"] = Field(
         "right", description="Hand that picks up the object, or both hands."
     )
     object: Position = Field(
-        description="Target position x, y, z of the hand in the world frame [m]; for hand: both, "
-        "of the midpoint between the hands."
+        description="Target position x, y, z of the hand in the world frame [m]; with `hand: "
+        "both`, target position of the midpoint between the hands."
     )
     width: float | None = Field(
         None,
         gt=0.0,
         le=2.0,
-        description="Distance between both hands at the object [m], for hand: both; null: their "
-        "distance at rest.",
+        description="Distance between both hands at the object [m], only with `hand: both`; null: "
+        "their distance at rest.",
     )
     clearance: float | None = Field(
         None,
         gt=0.0,
         le=1.0,
-        description="Height above the object at which the hand stops first [m]; null: 15 per cent "
-        "of the leg length.",
+        description="Height above the object at which the hand stops before it moves straight "
+        "down [m]; null: 15 % of the leg length.",
     )
     payload: float = Field(
         0.0,
         ge=0.0,
         le=100.0,
-        description="Mass of the object [kg], a point mass in the hand; half of it in each hand "
-        "for hand: both.",
+        description="Mass of the object [kg], modelled as a point mass in the hand; with `hand: "
+        "both`, each hand carries half of this mass.",
     )
-    approach: Duration = Field(2.0, description="Duration of the motion to above the object [s].")
-    lower: Duration = Field(1.0, description="Duration of the motion straight down [s].")
+    approach: Duration = Field(
+        2.0, description="Duration of the motion to the point above the object [s]."
+    )
+    lower: Duration = Field(
+        1.0, description="Duration of the motion straight down to the object [s]."
+    )
     pause: float = Field(
         0.5,
         ge=0.0,
@@ -58,7 +62,9 @@ class PickUpParameters(Model):
         description="Duration of the grasp, in which the weight of the payload passes to the hand "
         "[s].",
     )
-    lift: Duration = Field(1.0, description="Duration of the motion straight up [s].")
+    lift: Duration = Field(
+        1.0, description="Duration of the motion straight up with the object [s]."
+    )
     back: Duration = Field(2.0, description="Duration of the return to the position at rest [s].")
     rest: float = Field(
         0.5, ge=0.0, le=60.0, description="Duration of rest at the start and at the end [s]."

@@ -18,7 +18,7 @@ Heading = Annotated[float, Field(ge=-100.0, le=100.0)]
 
 
 class StepParameters(Model):
-    """One step of the list `walk.steps`; keys left out take the value of the block `walk`."""
+    """One step of the list `walk.steps`; a key that is left out has its value in block `walk`."""
 
     step_length: Length | None = Field(
         None,
@@ -27,8 +27,8 @@ class StepParameters(Model):
     )
     lateral: Length | None = Field(
         None,
-        description="Sideways distance of the step [m]; positive: to the left; only a step of the "
-        "foot on that side moves sideways; null: walk.lateral.",
+        description="Sideways distance of the step [m]; positive: to the left, by a step of the "
+        "left foot; negative: to the right, by a step of the right foot; null: walk.lateral.",
     )
     step_yaw: Turn | None = Field(
         None, description="Turn of the step [rad]; positive: to the left; null: walk.step_yaw."
@@ -42,7 +42,7 @@ class FootstepParameters(Model):
     forward, y to the left. The footstep stands on the ground or on top of the box below it.
     """
 
-    side: Literal["left", "right"] = Field(description="Foot that takes this step.")
+    side: Literal["left", "right"] = Field(description="Foot that steps onto this footstep.")
     x: Coordinate = Field(description="Position of the centre of the sole along x [m].")
     y: Coordinate = Field(description="Position of the centre of the sole along y [m].")
     yaw: Heading = Field(
@@ -119,9 +119,9 @@ class WalkParameters(Model):
     )
     goal: GoalParameters | None = Field(
         None,
-        description="Final pose of the robot. With a goal, the values of step_length, lateral and "
-        "step_yaw are the largest step sizes, and the value 0 means that a size is derived from "
-        "the leg length; null: the footsteps are given by n_steps, steps or footsteps.",
+        description="Final pose of the robot, from which the planner derives the footsteps. "
+        "step_length, lateral and step_yaw are then the largest step sizes; 0: derived from the "
+        "leg length. null: the footsteps are given by n_steps, steps or footsteps.",
     )
     sizes: Literal["given", "robot"] = Field(
         "given",
@@ -136,8 +136,9 @@ class WalkParameters(Model):
     )
     lateral: Length = Field(
         0.0,
-        description="Sideways distance of each step of the leading foot [m]; positive: to the "
-        "left, where the left foot leads; the other foot then closes up.",
+        description="Sideways distance of each step of the leading foot [m]; the other foot then "
+        "follows. Positive: to the left with the left foot in the lead; negative: to the right "
+        "with the right foot in the lead.",
     )
     step_yaw: float = Field(
         0.0,
@@ -149,8 +150,8 @@ class WalkParameters(Model):
         None,
         gt=0.0,
         le=2.0,
-        description="Lateral distance of the sole centres [m]; null: their distance in the "
-        "half-sitting posture of the robot.",
+        description="Lateral distance between the centres of both soles [m]; null: their distance "
+        "in the half-sitting posture of the robot.",
     )
     first_support: Literal["left", "right"] | None = Field(
         None,
@@ -160,13 +161,12 @@ class WalkParameters(Model):
     )
     last_support: Literal["left", "right"] | None = Field(
         None,
-        description="Support foot of the last step; one step is added if this is necessary; null: "
-        "either foot.",
+        description="Support foot of the last step; one step is added if the number of steps does "
+        "not lead to this foot; null: either foot.",
     )
     lead_in: Duration = Field(
         1.8,
-        description="Duration of rest before the first weight shift [s]; not shorter than "
-        "com.preview.",
+        description="Duration of rest before the first weight shift [s]; at least com.preview.",
     )
     double_support: Duration = Field(
         0.2,
@@ -176,49 +176,50 @@ class WalkParameters(Model):
     single_support: Duration = Field(0.5, description="Duration of each single support phase [s].")
     lead_out: Duration = Field(
         1.8,
-        description="Duration of rest after the last weight shift [s]; not shorter than "
-        "com.preview.",
+        description="Duration of rest after the last weight shift [s]; at least com.preview.",
     )
     step_height: float = Field(
         0.02,
         gt=0.0,
         le=0.5,
-        description="Largest height of the swing sole above the ground [m]; over boxes it rises "
-        "as far as clearance requires.",
+        description="Largest height of the swing sole above the ground [m]; above boxes the sole "
+        "rises as far as `clearance` requires.",
     )
     landing: float = Field(
         0.0,
         ge=0.0,
         le=0.5,
-        description="Fraction of each single support phase, at its end, in which the swing sole "
-        "is above its footstep and moves down vertically and slowly; useful on uneven ground.",
+        description="Final fraction of each single support phase in which the swing sole, already "
+        "above its footstep, moves down vertically and slowly; useful on uneven ground; 0: no "
+        "such descent.",
     )
     com_height: float | None = Field(
         None,
         ge=1e-3,
         le=3.0,
-        description="Height of the CoM above the ground [m]; null: height in the half-sitting "
-        "posture of the robot.",
+        description="Height of the centre of mass above the ground [m]; null: height in the "
+        "half-sitting posture of the robot.",
     )
     com_tolerance: float = Field(
         COM_TOLERANCE,
         gt=0.0,
         le=1.0,
-        description="Largest allowed distance of the CoM from its reference [m]. Increase it if "
-        "com_height is more than the legs can reach; the solvers ik1 to ik5 then come as close as "
-        "possible.",
+        description="Largest allowed distance of the centre of mass from its reference [m]. "
+        "Increase this value if com_height is more than the legs can reach; the solvers ik1 to "
+        "ik5 then come as close as possible.",
     )
     zmp_offset: Annotated[list[Length], Field(min_length=2, max_length=2)] = Field(
         [0.0, 0.0],
-        description="Reference position of the ZMP on the support sole: forward and inward "
-        "distance from the centre of the sole [m].",
+        description="Reference position of the zero-moment point (ZMP) on the support sole: "
+        "distance forward and distance towards the other foot, both from the centre of the sole "
+        "[m].",
     )
     zmp_travel: float = Field(
         0.0,
         ge=0.0,
         le=1.0,
-        description="Distance that the ZMP reference travels from heel to toe during each single "
-        "support phase [m].",
+        description="Distance that the reference of the zero-moment point (ZMP) travels towards "
+        "the toes during each single support phase [m]; 0: the reference stands still.",
     )
     arm_swing: float = Field(
         0.0,
@@ -229,8 +230,8 @@ class WalkParameters(Model):
     )
     boxes: Annotated[list[BoxParameters], Field(max_length=1000)] = Field(
         [],
-        description="Stairs and obstacles; a footstep stands on top of the box below it, and the "
-        "swing sole passes over boxes in its way.",
+        description="List of boxes, which are stairs and obstacles: a footstep above a box stands "
+        "on top of the box, and the swing sole passes over boxes in its way.",
     )
     clearance: float = Field(
         0.005,

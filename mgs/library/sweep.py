@@ -25,26 +25,26 @@ class Axis(Model):
     )
     linspace: EndsAndCount | None = Field(
         None,
-        description="Evenly spaced values: first value, last value, number of values; values in "
-        "the unit of the key.",
+        description="Evenly spaced values, given by first value, last value and number of values; "
+        "values in the unit of the key.",
     )
     logspace: EndsAndCount | None = Field(
         None,
-        description="Values with a constant ratio between neighbours: first value, last value, "
-        "number of values; values in the unit of the key.",
+        description="Values with a constant ratio between neighbours, given by first value, last "
+        "value and number of values; values in the unit of the key.",
     )
     integers: Annotated[list[int], Field(min_length=2, max_length=2)] | None = Field(
-        None, description="All integers of a range: first, last."
+        None, description="All integers of a range, given by the first and the last one."
     )
     uniform: Ends | None = Field(
         None,
-        description="Range of uniformly distributed random values, in the unit of the key: lower, "
-        "upper; only with sampling latin_hypercube or sobol.",
+        description="Range of uniformly distributed random values, given by lower and upper end "
+        "in the unit of the key; only with `sampling: latin_hypercube` or `sobol`.",
     )
     log_uniform: Ends | None = Field(
         None,
-        description="Range of random values with uniformly distributed logarithm, in the unit of "
-        "the key: lower, upper; only with sampling latin_hypercube or sobol.",
+        description="Range of random values with uniformly distributed logarithm, given by lower "
+        "and upper end in the unit of the key; only with `sampling: latin_hypercube` or `sobol`.",
     )
 
     @property
@@ -107,27 +107,28 @@ class Sweep(Model):
         None,
         ge=1,
         le=MAX_GAITS,
-        description="Number of random draws, for latin_hypercube and sobol; a power of 2 is best "
-        "for sobol.",
+        description="Number of random draws for latin_hypercube and sobol; a power of 2 is best "
+        "for sobol; null: for grid and table, which draw nothing.",
     )
     seed: int = Field(0, ge=0, le=2**32 - 1, description="Seed of the random draws.")
     table: str | None = Field(
         None,
         min_length=1,
         max_length=4096,
-        description="Path of the CSV file, relative to the sweep file; the first row of this file "
-        "holds the keys.",
+        description="Path of the CSV file for `sampling: table`, relative to the sweep file; its "
+        "first row holds the keys; null: for the other kinds of sampling.",
     )
     axes: dict[str, AnyAxis] = Field(
         {},
         max_length=50,
-        description="Values of each varied key; keys are dotted keys of the gait file.",
+        description="Values of each varied key of the gait file, by its dotted name, e.g. "
+        "walk.step_length: [0.03, 0.05].",
     )
     filters: list[str] = Field(
         [],
         max_length=100,
-        description="Conditions on keys of the gait; gaits that do not meet all of them are left "
-        "out.",
+        description='Conditions on keys of the gait, e.g. "walk.step_length / walk.single_support '
+        '< 0.2"; gaits that do not meet all conditions are left out.',
     )
 
     @model_validator(mode="after")

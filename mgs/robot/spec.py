@@ -32,11 +32,13 @@ class FrameSpec(Model):
 
     link: str = Field(description="Name of the link in the URDF.")
     position: Vector3 = Field(
-        [0.0, 0.0, 0.0], description="Position of the origin in the link frame: x, y, z [m]."
+        [0.0, 0.0, 0.0],
+        description="Position of the origin of this frame in the frame of the link: x, y, z [m].",
     )
     rpy: Rotation = Field(
         [0.0, 0.0, 0.0],
-        description="Orientation in the link frame: roll, pitch, yaw about fixed axes [rad].",
+        description="Orientation of this frame in the frame of the link: roll, pitch, yaw about "
+        "fixed axes [rad].",
     )
 
 
@@ -57,7 +59,10 @@ class ServoSpec(Model):
         gt=0.0, le=100.0, description="No-load speed: speed limit at torque 0 [rad/s]."
     )
     resolution: float = Field(
-        0.0, ge=0.0, le=0.1, description="Angle of one tick of the encoder [rad]."
+        0.0,
+        ge=0.0,
+        le=0.1,
+        description="Angle of one tick of the position encoder [rad]; 0: continuous position.",
     )
     armature: float = Field(
         0.0, ge=0.0, le=10.0, description="Inertia of the rotor, reflected to the joint [kg m^2]."
@@ -79,8 +84,8 @@ class ServoSpec(Model):
         None,
         ge=0.0,
         le=1e5,
-        description="Damping by the back-EMF of the motor and by the position loop [N m s/rad]; "
-        "null: stall torque / no-load speed.",
+        description="Damping by the back-EMF (induced voltage) of the motor and by the position "
+        "loop [N m s/rad]; null: stall torque / no-load speed.",
     )
     latency: float = Field(0.0, ge=0.0, le=0.5, description="Delay between command and torque [s].")
     deadband: float = Field(
@@ -133,7 +138,9 @@ class RobotSpec(Model):
     mgs: FormatVersion = Field(description="Version of the file format.")
     name: str = Field(min_length=1, max_length=100, description="Name of the robot.")
     urdf: str = Field("robot.urdf", description="URDF file, relative to the folder of robot.yaml.")
-    base_link: str = Field(description="Name of the link that carries the floating base.")
+    base_link: str = Field(
+        description="Name of the root link, whose pose in the world is free (floating base)."
+    )
     torso: FrameSpec = Field(
         description="Frame of the torso, used by torso orientation tasks. Its x axis points ahead "
         "and its z axis up while the torso is upright."
@@ -141,27 +148,34 @@ class RobotSpec(Model):
     soles: SolePair = Field(description="Soles of both feet.")
     hands: PairOf | None = Field(
         None,
-        description="Frames of both hands, used by hand tasks; leave it out for a robot without "
-        "arms, which then has no hand tasks.",
+        description="Frames of both hands, used by hand tasks; null: the robot has no arms, and "
+        "hand tasks are not available.",
     )
     posture: dict[str, float] = Field(
-        description="Half-sitting posture: angle of each joint by name [rad]; joints that are not "
-        "named are at 0."
+        description="Half-sitting posture (standing with bent knees), from which motions start: "
+        "angles by name of the joint [rad]; joints that are not named are at 0."
     )
-    servos: dict[str, ServoSpec] = Field(description="Servo models by name of the model.")
-    joints: dict[str, str] = Field(description="Name of the servo model of each joint.")
+    servos: dict[str, ServoSpec] = Field(
+        description="Parameters of the servo models, by name of the model."
+    )
+    joints: dict[str, str] = Field(
+        description="Name of the servo model of each joint, by name of the joint; every joint "
+        "that is not locked needs one."
+    )
     locked: dict[str, Angle] = Field(
         {},
-        description="Fixed angles of locked joints by name [rad]; locked joints are treated as "
-        "rigid connections.",
+        description="Fixed angles of locked joints, by name of the joint [rad]; locked joints are "
+        "treated as rigid connections.",
     )
     limits: dict[str, Range] = Field(
         {},
-        description="Joint limits by name of the joint, within the limits of the URDF: lower, "
-        "upper [rad].",
+        description="Joint limits that are narrower than those of the URDF, by name of the joint: "
+        "lower, upper [rad].",
     )
     groups: dict[str, list[str]] = Field(
-        {}, description="Groups of joints by name of the group, such as left_leg."
+        {},
+        description="Lists of joints by name of the group, such as left_leg, for plots and for "
+        "the check of symmetry.",
     )
     ignore_collisions: list[Annotated[list[str], Field(min_length=2, max_length=2)]] = Field(
         [],
