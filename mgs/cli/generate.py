@@ -51,9 +51,9 @@ def generate(
     joint trajectory with its references, for mgs validate and other tools. mgs schema gait
     describes the keys of a gait file.
 
-    Prints tracking errors, distances from joint limits and from the edge of the support polygon,
-    the distance of the zero-moment point (ZMP) of the whole robot from its plan, and the computing
-    time. CoM means centre of mass. Exit code 1 if the robot cannot perform the gait.
+    Prints tracking errors of soles, hands and centre of mass (CoM), distances from joint limits and
+    from the edge of the support polygon, the distance of the zero-moment point (ZMP) of the whole
+    robot from its plan, and the computing time. Exit code 1 if the robot cannot perform the gait.
 
     \b
     Examples:

@@ -77,10 +77,10 @@ def query(
 ) -> None:
     """Print the gaits of a library that meet a condition.
 
-    A condition compares columns with numbers or with 'texts' in quotes by ==, !=, <, <=, >, >=,
-    in [..] or is None. Comparisons are joined by and, or, not; columns and numbers by +, -, *, /
-    and abs(). A comparison with a missing value is false, e.g. with `survived` in a library
-    without replays.
+    A condition is a column that is true or false, such as `survived`, or compares columns, numbers
+    and 'texts' in quotes by ==, !=, <, <=, >, >=, in [..] or is None. Conditions are joined by and,
+    or, not; columns and numbers by +, -, *, / and abs(). A comparison with a missing value is
+    false, e.g. with `survived` in a library without replays.
 
     \b
     Examples:

@@ -88,7 +88,7 @@ class RampChannel(Channel):
 
 
 class FigureEightChannel(Model):
-    """A figure eight of the CoM or of a hand in a plane, around the position at rest.
+    """A figure eight of centre of mass (com) or hand in a plane, around its position at rest.
 
     Axes of the world frame: x forward, y to the left, z up.
     """
@@ -154,8 +154,8 @@ class BalanceParameters(Model):
     channels: list[AnyChannel] = Field(
         min_length=1,
         max_length=100,
-        description="Displacements of CoM, torso and hands over time; channels of the same task "
-        "are added.",
+        description="Displacements of centre of mass, torso and hands over time; "
+        "channels of the same task are added.",
     )
 
     @model_validator(mode="after")
