@@ -27,8 +27,9 @@ class StepParameters(Model):
     )
     lateral: Length | None = Field(
         None,
-        description="Sideways distance of the step [m]; positive: to the left, by a step of the "
-        "left foot; negative: to the right, by a step of the right foot; null: walk.lateral.",
+        description="Sideways distance of the step [m]; positive: to the left, only in steps of "
+        "the left foot; negative: to the right, only in steps of the right foot; null: "
+        "walk.lateral.",
     )
     step_yaw: Turn | None = Field(
         None, description="Turn of the step [rad]; positive: to the left; null: walk.step_yaw."
