@@ -25,7 +25,7 @@ RUNS_IN_A_ROW = 3
 
 
 def compare(python: str, gait: str, rounds: int) -> dict[str, Any]:
-    """Mean times of a step [s] of both, and the ratio of their fastest runs (median over rounds).
+    """Mean CPU times of a step [s] of both, and the ratio of their fastest runs (median of rounds).
 
     Args:
         python: Python interpreter with the package placo.
@@ -45,7 +45,7 @@ def compare(python: str, gait: str, rounds: int) -> dict[str, Any]:
             found = _run(python, tasks)
             version = found["version"]
             for name, runs in found["runs"].items():
-                theirs.setdefault(name, []).append([float(np.mean(r["seconds"])) for r in runs])
+                theirs.setdefault(name, []).append([run["seconds"] for run in runs])
                 errors += [(run["com_error"], run["foot_error"]) for run in runs]
     best = np.min(ours, axis=1)
     com_error, foot_error = np.max(errors, axis=0)

@@ -50,7 +50,7 @@ def _ik(figures: dict[str, Any]) -> str:
     rows, ik = [], figures["ik"]
     for name, found in ik.items():
         for label, key in (
-            ("time of a run / samples", "per_run"),
+            ("CPU time of a run / samples", "per_run"),
             ("single steps", "step"),
             ("single steps in which it is active", "gravity_step"),
         ):
@@ -139,7 +139,7 @@ def _placo(found: dict[str, Any] | None) -> str:
         for (name, t), ratio in zip(times.items(), ratios, strict=True)
     ]
     ratio_column = "time of mgs / time in this row"
-    header = ["mean IK step of a run [us]", "minimum", "median", ratio_column]
+    header = ["mean IK step of a run, CPU time [us]", "minimum", "median", ratio_column]
     return (
         f"{table(header, rows)}\n\nLargest errors of placo after a step: CoM "
         f"{1e6 * found['com_error']:.1f} um, feet {1e6 * found['foot_error']:.1f} um."

@@ -59,14 +59,15 @@ class TreeTasks:
         self.free_rows = [row for row, is_asked in rows if not is_asked]
         held = HELD[missing_turn(robot)]
         self.held_rows, self._held_axes = [row for row, _ in held], [axis for _, axis in held]
+        self._has_exceptions = bool(self.free_rows or self.held_rows)
         self.n_rows = max([N_TASKS, *(row + 1 for row in self.held_rows)])
         self.rows = np.zeros((self.n_rows + 1, robot.n))
         self.J, self.f = self.rows[:-1], np.zeros(N_POSITIONS)
+        self._J_tasks = self.J[:N_TASKS]
         self._com, self._com_offset = np.zeros(3), tree.com_offset  # in the world frame [m]
         # views that follow every update
-        left_hand, right_hand = tree.hands
-        frames = (tree.swing_sole, right_hand, left_hand)
-        points = (self.data.oMf[frame].translation for frame in frames)
+        self._frames = (tree.swing_sole, tree.hands[Side.RIGHT], tree.hands[Side.LEFT])
+        points = (self.data.oMf[frame].translation for frame in self._frames)
         self._points, self._com_tree = (*points, self._com), self.data.com[0]
         self.R = self.data.oMf[tree.swing_sole].rotation
         self._R_T = self.R.T
@@ -88,16 +89,16 @@ class TreeTasks:
 
     def update(self, q: Array) -> None:
         """Refill J, f and R at joint angles q (n,) in the tree's order."""
-        model, data, tree = self.model, self.data, self.tree
-        left_hand, right_hand = tree.hands
+        model, data = self.model, self.data
+        swing_sole, right_hand, left_hand = self._frames
         J_com = pin.jacobianCenterOfMass(model, data, q, False)  # also places joints, fills data.J
-        J_swing = pin.getFrameJacobian(model, data, tree.swing_sole, WORLD_ALIGNED)
+        J_swing = pin.getFrameJacobian(model, data, swing_sole, WORLD_ALIGNED)
         J_right = pin.getFrameJacobian(model, data, right_hand, WORLD_ALIGNED)
         J_left = pin.getFrameJacobian(model, data, left_hand, WORLD_ALIGNED)
         rows = (J_swing[:3], J_right[:3], J_left[:3], J_com, J_swing[3:])
-        np.concatenate(rows, 0, self.J[:N_TASKS])
+        np.concatenate(rows, 0, self._J_tasks)
         self._set_values(self.f)
-        if self.free_rows or self.held_rows:
+        if self._has_exceptions:
             self._set_exceptions()
 
     def _set_values(self, f: Array) -> None:
@@ -133,9 +134,9 @@ class TreeTasks:
         """
         np.subtract(positions, self.f, out[:N_POSITIONS])
         out[TURN] = pin.log3(R_ref.dot(self._R_T))
-        for free in self.free_rows:
-            out[free] = 0.0
-        if self.held_rows:
+        if self._has_exceptions:
+            for free in self.free_rows:
+                out[free] = 0.0
             out[self.held_rows] = self._base_turn[self._held_axes]
 
     def torso_error(self, R_ref: Array) -> tuple[Array, Array]:
