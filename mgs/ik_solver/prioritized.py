@@ -33,7 +33,7 @@ from mgs.com_generator import ComTrajectory
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.core.contact import Side, Support
-from mgs.core.errors import InfeasibleGaitError
+from mgs.core.errors import IkError
 from mgs.core.progress import Progress, samples_reported
 from mgs.core.spans import span_starts
 from mgs.gait import IkParameters, PrioritizedParameters
@@ -283,9 +283,18 @@ class PrioritizedRun:
                 self.tasks.J, rates, self.error, self.free, self.bound, self.least_behind
             )
         except np.linalg.LinAlgError as error:
-            raise InfeasibleGaitError(
-                f"t = {k * self.dt:.3f} s: the priority levels have no solution: {error}"
-            ) from error
+            raise self._missed(k, str(error)) from error
+
+    def _missed(self, k: int, reason: str) -> IkError:
+        """Error for the critical task that is missed by most at sample k."""
+        self._measure(k)
+        sizes = {
+            task: float(task.sizes(self.error[None])[0])
+            for task in judged_rows(self.tasks, self.critical)
+        }
+        worst = max(sizes, key=lambda task: sizes[task] / task.tolerance)
+        name = f"{worst.name} ({reason})"
+        return IkError(k * self.dt, name, sizes[worst], worst.tolerance, worst.unit)
 
     def _check_phase(self, k: int) -> None:
         """Note the ranks of the constraints; raises ConfigError where they do not suffice."""

@@ -510,8 +510,11 @@ def test_critical_tasks_out_of_reach_are_refused(robots: dict[str, Robot], solve
     settings = (f"ik.solver={solver}", "ik.prioritized.critical=[soles, com]",
                 "ik.prioritized.extraneous=[torso]", "balance.com_height=0.7")  # fmt: skip
     gait = load_gait("coman/sway", settings)
-    with pytest.raises(IkError):
+    with pytest.raises(IkError) as caught:
         solve_ik(robots["coman"], *inputs(robots["coman"], gait), gait.ik)
+    error = caught.value
+    assert error.task.startswith(("com", "left sole", "right sole"))
+    assert error.tolerance < error.residual < 1.0  # a distance, not infinity
 
 
 def test_a_joint_beyond_its_limit_is_refused_or_recorded(robots: dict[str, Robot]) -> None:
