@@ -209,7 +209,8 @@ def replay(
     if as_json:
         print_json(result.to_json())
     else:
-        click.echo(verdict_text.sentence(result))
+        for text in (verdict_text.sentence(result), *verdict_text.sources([result])):
+            click.echo(text)
     ctx.exit(1 if result.fell else 0)
 
 
@@ -248,6 +249,8 @@ def _print_verdict(verdict: Verdict) -> None:
         click.echo(verdict_text.line(check))
     for replay in verdict.replays:
         click.echo(verdict_text.sentence(replay))
+    for text in verdict_text.sources(verdict.replays):
+        click.echo(text)
     if (agreed := verdict.agreement) is not None:
         click.echo(verdict_text.agreement(agreed))
     draws: Any = verdict.monte_carlo or {"engines": ()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -55,6 +56,16 @@ def servo_words(replay: Replay) -> str:
         "pd": f"PD servos (sag {sag:.3g} deg, damping time {1e3 * time:.3g} ms)",
     }[replay.servo]
     return f"{servos}, feed-forward" if replay.feed_forward else servos
+
+
+def sources(replays: Sequence[Replay]) -> list[str]:
+    """Modelled servos whose figures are not identified ones, in a line for all replays."""
+    found = {name: source for replay in replays for name, source in replay.servo_sources.items()}
+    stated = [name for name, source in found.items() if not source.startswith("identified")]
+    if not stated:
+        return []
+    told = "; ".join(f"{name}: {found[name]}" for name in stated)
+    return [f"modelled servos that were not identified by measurements: {told}"]
 
 
 def sentence(replay: Replay) -> str:

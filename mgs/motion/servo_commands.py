@@ -57,7 +57,9 @@ def servo_commands(
     robot = motion.robot
     servos = servos_of(robot) if servos is None else servos
     v = motion.v[samples, FLOATING_BASE_NV:]
-    lead = (motion.torque[samples] + servos.friction(v) + servos.damping * v) / servos.stiffness
+    torque = motion.torque[samples]
+    friction = servos.friction_under_load(v, torque)
+    lead = (torque + friction + servos.damping * v) / servos.stiffness
     wanted = motion.q[samples, FLOATING_BASE_NQ:] + lead
     position = np.clip(wanted, robot.lower, robot.upper)
     return Commands(position, np.abs(wanted - position).max(axis=0))

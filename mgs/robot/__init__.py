@@ -7,8 +7,9 @@ from mgs.robot.legs import missing_turn
 from mgs.robot.limbs import arm_mask, leg_joints, leg_length, leg_mask, midpoint_width
 from mgs.robot.load import find_robot, list_robots, load_robot
 from mgs.robot.robot import Robot
-from mgs.robot.servos import Servos, is_modelled, pd_servos, servos_of
-from mgs.robot.spec import FrameSpec, RobotSpec, ServoSpec, SoleSpec
+from mgs.robot.servo_spec import ServoSpec
+from mgs.robot.servos import Servos, is_modelled, pd_servos, servo_sources, servos_of
+from mgs.robot.spec import FrameSpec, RobotSpec, SoleSpec
 
 __all__ = [
     "FLOATING_BASE_NQ",
@@ -31,6 +32,7 @@ __all__ = [
     "midpoint_width",
     "missing_turn",
     "pd_servos",
+    "servo_sources",
     "servos_of",
     "shape_corners",
 ]

@@ -16,11 +16,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mgs.core.arrays import Array
 from mgs.core.errors import ConfigError
 from mgs.core.short_repr import short_repr
+from mgs.robot.friction import LoadFriction, load_friction
+from mgs.robot.identified import NO_FRICTION
 from mgs.robot.robot import Robot
+from mgs.robot.servo_spec import ServoSpec
+
+Bools = NDArray[np.bool_]
 
 SLIP_SPEED = 0.1  # [rad/s] speed from which on the full Coulomb friction acts
 
@@ -39,13 +45,26 @@ class Servos:
     punch: Array  # [N m]
     coulomb_friction: Array  # [N m]
     viscous_friction: Array  # [N m s/rad]
+    brakes_beyond_stall: Bools  # whether a motor brakes with more than its stall torque
+    load_friction: LoadFriction | None = None  # in place of Coulomb and viscous friction
 
     __repr__ = short_repr
 
     def friction(self, v: Array) -> Array:
-        """Friction torque (..., n) [N m] of the gears at joint velocities v (..., n) [rad/s]."""
+        """Friction torque (..., n) [N m] of the gears at joint velocities v (..., n) [rad/s].
+
+        Friction that depends on the load is left out.
+        """
         sliding = np.minimum(np.maximum(v / SLIP_SPEED, -1.0), 1.0)
         return np.asarray(self.coulomb_friction * sliding + self.viscous_friction * v)
+
+    def friction_under_load(self, v: Array, torque: Array) -> Array:
+        """All friction (..., n) [N m] at joint velocities v [rad/s] and joint torques [N m]."""
+        friction = self.friction(v)
+        if self.load_friction is None:
+            return friction
+        sliding = np.minimum(np.maximum(v / SLIP_SPEED, -1.0), 1.0)
+        return np.asarray(friction + sliding * self.load_friction.to_overcome(v, torque))
 
 
 def is_modelled(robot: Robot) -> bool:
@@ -85,7 +104,22 @@ def servos_of(robot: Robot) -> Servos:
         punch=figures("punch"),
         coulomb_friction=figures("friction"),
         viscous_friction=figures("viscous_friction"),
+        brakes_beyond_stall=np.array([spec.model is not None for spec in specs]),
+        load_friction=_load_friction(specs),
     )
+
+
+def _load_friction(specs: list[ServoSpec]) -> LoadFriction | None:
+    parameters = [spec.friction_parameters for spec in specs]
+    if not any(parameters):
+        return None
+    return load_friction([NO_FRICTION if found is None else found for found in parameters])
+
+
+def servo_sources(robot: Robot) -> dict[str, str]:
+    """Where the figures of the servos in use come from, by the names of the servo models."""
+    used = sorted({robot.spec.joints[name] for name in robot.joint_names})
+    return {name: robot.spec.servos[name].source for name in used}
 
 
 def pd_servos(robot: Robot, sag: Array | float, damping_time: float) -> Servos:
@@ -111,6 +145,7 @@ def pd_servos(robot: Robot, sag: Array | float, damping_time: float) -> Servos:
         punch=none,
         coulomb_friction=none,
         viscous_friction=none,
+        brakes_beyond_stall=np.zeros(robot.n, dtype=np.bool_),
     )
 
 

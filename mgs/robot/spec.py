@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from mgs.core.config import FormatVersion, Model, build, parse_yaml
+from mgs.robot.servo_spec import ServoSpec
 
 MAX_LENGTH, MAX_MASS, MAX_ANGLE = 10.0, 1e4, 100.0  # [m], [kg], [rad]; larger: probably wrong unit
 
@@ -47,75 +48,6 @@ class SoleSpec(FrameSpec):
 
     length: float = Field(ge=1e-3, le=1.0, description="Length of the sole along x [m].")
     width: float = Field(ge=1e-3, le=1.0, description="Width of the sole along y [m].")
-
-
-class ServoSpec(Model):
-    """Parameters of one servo model; mgs.robot.servos defines the torque law."""
-
-    stall_torque: float = Field(
-        gt=0.0, le=1e4, description="Stall torque: torque limit at speed 0 [N m]."
-    )
-    no_load_speed: float = Field(
-        gt=0.0, le=100.0, description="No-load speed: speed limit at torque 0 [rad/s]."
-    )
-    resolution: float = Field(
-        0.0,
-        ge=0.0,
-        le=0.1,
-        description="Angle of one tick of the position encoder [rad]; 0: continuous position.",
-    )
-    armature: float = Field(
-        0.0, ge=0.0, le=10.0, description="Inertia of the rotor, reflected to the joint [kg m^2]."
-    )
-    stiffness: float | None = Field(
-        None,
-        gt=0.0,
-        le=1e6,
-        description="Proportional gain of the position loop: torque per position error [N m/rad]; "
-        "null: given by compliance_slope, or unknown.",
-    )
-    compliance_slope: Literal[2, 4, 8, 16, 32, 64, 128] | None = Field(
-        None,
-        description="Alternative to stiffness: position error at which the torque reaches the "
-        "stall torque [encoder ticks]; null: given by stiffness, or unknown. This is a register of "
-        "Dynamixel AX and RX servos, with a factory setting of 32.",
-    )
-    damping: float | None = Field(
-        None,
-        ge=0.0,
-        le=1e5,
-        description="Damping by the back-EMF (induced voltage) of the motor and by the position "
-        "loop [N m s/rad]; null: stall torque / no-load speed.",
-    )
-    latency: float = Field(0.0, ge=0.0, le=0.5, description="Delay between command and torque [s].")
-    deadband: float = Field(
-        0.0, ge=0.0, le=0.2, description="Position error below which the torque is zero [rad]."
-    )
-    punch: float = Field(
-        0.0, ge=0.0, le=1e4, description="Smallest torque outside the deadband [N m]."
-    )
-    friction: float = Field(
-        0.0, ge=0.0, le=1e4, description="Coulomb friction torque of the gear [N m]."
-    )
-    viscous_friction: float = Field(
-        0.0, ge=0.0, le=1e5, description="Viscous friction coefficient of the gear [N m s/rad]."
-    )
-
-    @model_validator(mode="after")
-    def _has_one_stiffness(self) -> ServoSpec:
-        if self.compliance_slope is not None:
-            if self.stiffness is not None:
-                raise ValueError("give stiffness or compliance_slope, not both")
-            if not self.resolution:
-                raise ValueError("compliance_slope is in encoder ticks: give resolution too")
-        return self
-
-    @property
-    def spring(self) -> float | None:
-        """Stiffness of the position loop [N m/rad]; None if the file gives no stiffness."""
-        if self.compliance_slope is None:
-            return self.stiffness
-        return self.stall_torque / (self.compliance_slope * self.resolution)
 
 
 class PairOf(Model):

@@ -14,7 +14,7 @@ from mgs.core.scene import EMPTY, Scene
 from mgs.robot import Robot
 from mgs.sim.audit import EngineModel, audit
 from mgs.sim.conditions import Conditions
-from mgs.sim.servo import Driven, JointState
+from mgs.sim.servo import Driven, DryFriction, JointState
 from mgs.sim.settings import ENGINES, EngineName, ServoName, Settings
 
 
@@ -39,8 +39,17 @@ class Engine(Protocol):
     def joints(self) -> JointState:
         """Current state of the joints."""
 
-    def push(self, torque: Array, free_speed: Array) -> JointState:
-        """Make one step with torques (n,) [N m] that would be zero at free_speed (n,) [rad/s]."""
+    @property
+    def rotors(self) -> Array:
+        """Inertia (n,) that the engine adds at the joints for the rotors [kg m^2]."""
+
+    def push(
+        self, torque: Array, free_speed: Array, friction: DryFriction | None = None
+    ) -> JointState:
+        """Make one step with torques (n,) [N m] that would be zero at free_speed (n,) [rad/s].
+
+        Dry friction is no part of these torques.
+        """
 
     def carry(self, payload: Array) -> None:
         """From now on weights of masses (2,) [kg] pull at the left and the right hand."""

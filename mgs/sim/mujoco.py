@@ -15,8 +15,14 @@ from mgs.sim.audit import EngineModel
 from mgs.sim.conditions import Conditions, bumps, gravity_on_slope
 from mgs.sim.far_shapes import FarShapes
 from mgs.sim.model import link_name, simulation_urdf
-from mgs.sim.mujoco_servos import add_servos, pd_torques, set_damping
-from mgs.sim.servo import Driven, JointState
+from mgs.sim.mujoco_servos import (
+    add_servos,
+    friction_torques,
+    harden_friction,
+    pd_torques,
+    set_damping,
+)
+from mgs.sim.servo import Driven, DryFriction, JointState
 from mgs.sim.settings import ServoName, Settings
 
 XYZW_FROM_WXYZ = [1, 2, 3, 0]
@@ -97,15 +103,28 @@ class MujocoEngine:
         data, dofs = self._data, self._angles - 1  # the free joint: one velocity less than angles
         return JointState(data.qpos[self._angles], data.qvel[dofs], data.qfrc_applied[dofs])
 
-    def push(self, torque: Array, free_speed: Array) -> JointState:
-        """Make one step with torques (n,) [N m].
+    @property
+    def rotors(self) -> Array:
+        """Inertia (n,) of the rotors [kg m^2]."""
+        return np.asarray(self._model.dof_armature[self._angles - 1])
+
+    def push(
+        self, torque: Array, free_speed: Array, friction: DryFriction | None = None
+    ) -> JointState:
+        """Make one step with torques (n,) [N m] and dry friction besides.
 
         They may damp as they like: every joint has its rotor to slow down.
         """
         del free_speed
-        self._data.qfrc_applied[self._angles - 1] = torque
-        self._mj.mj_step(self._model, self._data)
-        return self.joints()
+        dofs, data = self._angles - 1, self._data
+        if friction is not None:
+            self._model.dof_frictionloss[dofs] = friction.bound
+        data.qfrc_applied[dofs] = torque
+        self._mj.mj_step(self._model, data)
+        state = self.joints()
+        if friction is None:
+            return state
+        return state._replace(torque=state.torque + friction_torques(self._model, data)[dofs])
 
     def carry(self, payload: Array) -> None:
         """From now on weights of masses (2,) [kg] pull at the hands where they are now."""
@@ -237,4 +256,5 @@ class MujocoEngine:
         model = spec.compile()
         if self._servo == "pd":
             set_damping(model, self._robot, settings, self._gain)
+        harden_friction(model, settings.dt)
         return model

@@ -22,6 +22,7 @@ from mgs.robot import Robot
 from mgs.sim.servo import AT_LIMIT, Driven
 from mgs.sim.settings import ServoName, Settings
 
+HARDEST = 0.9999  # largest impedance of a constraint in MuJoCo
 ROTOR_ACCELERATION = 1500.0  # [rad/s^2] at stall, of servos whose armature is not known
 
 
@@ -67,6 +68,19 @@ def pd_torques(forces: Array, stall: Array) -> Driven:
     n, most = len(stall), (1.0 - AT_LIMIT) * stall
     torque = np.clip(forces[:, :n] + forces[:, n:], -stall, stall)
     return Driven(torque, (np.abs(forces[:, :n]) >= most) | (np.abs(torque) >= most))
+
+
+def harden_friction(model: Any, dt: float) -> None:
+    """Let dry friction of joints hold without creeping, as far as a step of dt [s] allows."""
+    model.dof_solref[:] = [2.0 * dt, 1.0]
+    model.dof_solimp[:, :2] = HARDEST
+
+
+def friction_torques(model: Any, data: Any) -> Array:
+    """Torques (nv,) of the joints' dry friction in the last step [N m]."""
+    torques, rows = np.zeros(model.nv), slice(data.ne, data.ne + data.nf)
+    torques[data.efc_id[rows]] = data.efc_force[rows]
+    return torques
 
 
 def _stiffness(robot: Robot, settings: Settings, servo: ServoName) -> Array:

@@ -17,13 +17,13 @@ from mgs.core.arrays import Array
 from mgs.core.errors import DivergenceError
 from mgs.core.progress import Progress
 from mgs.motion import Motion
-from mgs.robot import Servos
+from mgs.robot import Robot, Servos
 from mgs.sim.conditions import Conditions
 from mgs.sim.effort import Effort
 from mgs.sim.engine import Engine
 from mgs.sim.poses import fallen, on_ground, poses_along
 from mgs.sim.prepare import Prepared
-from mgs.sim.servo import Driven, ServoModel
+from mgs.sim.servo import Driven, ServoModel, inertia_at_joints
 from mgs.sim.targets import disturbed_targets
 
 AFTER_FALL = 1.0  # [s] that a replay goes on after a fall
@@ -68,7 +68,7 @@ def play(
     targets = prepared.position, prepared.velocity
     if conditions is not None:
         targets = disturbed_targets(*targets, conditions, dt)
-    log = _Log(motion, engine, _driver(engine, dt, servos), targets, dt)
+    log = _Log(motion, engine, _driver(engine, dt, servos, motion.robot), targets, dt)
     log.settle(prepared.settings.settle)
     poses = [poses_along(motion.robot, log.q[0][None])]
     k, end, look = 1, len(plan), max(1, round(LOOK / motion.dt))
@@ -90,11 +90,11 @@ def play(
 Drive = Callable[[Array, Array], Driven]
 
 
-def _driver(engine: Engine, dt: float, servos: Servos | None) -> Drive:
+def _driver(engine: Engine, dt: float, servos: Servos | None, robot: Robot) -> Drive:
     """The function that makes physics steps towards positions and velocities (k, n)."""
     if servos is None:
         return engine.drive
-    model = ServoModel(servos, dt)
+    model = ServoModel(servos, dt, inertia_at_joints(robot))
     return lambda position, velocity: model.drive(engine, position)
 
 

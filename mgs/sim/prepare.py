@@ -12,10 +12,11 @@ from mgs.core.arrays import Array
 from mgs.core.errors import SimulationError
 from mgs.motion import Motion
 from mgs.motion.servo_commands import servo_commands
+from mgs.robot import servos_of
 from mgs.sim.engine import require
 from mgs.sim.poses import poses_along
 from mgs.sim.servo import servo_figures
-from mgs.sim.settings import DEFAULTS, SERVOS, EngineName, ServoName, Settings
+from mgs.sim.settings import DEFAULTS, LOAD_FRICTION_STEP, SERVOS, EngineName, ServoName, Settings
 from mgs.sim.targets import targets_along
 
 
@@ -53,7 +54,10 @@ def prepare(
     require(engine)
     if servo not in SERVOS:
         raise SimulationError(f"no servo {servo!r}; there are: {', '.join(SERVOS)}")
-    settings = _divide(settings or DEFAULTS[engine], motion.dt)
+    settings = settings or DEFAULTS[engine]
+    if servo == "model" and servos_of(motion.robot).load_friction is not None:
+        settings = dataclasses.replace(settings, dt=min(settings.dt, LOAD_FRICTION_STEP[engine]))
+    settings = _divide(settings, motion.dt)
     feed_forward = servo == "model" if feed_forward is None else feed_forward
     commands = None
     if feed_forward:

@@ -21,7 +21,7 @@ from mgs.robot import Robot
 from mgs.sim.audit import EngineModel
 from mgs.sim.conditions import Conditions, bumps, gravity_on_slope
 from mgs.sim.model import simulation_urdf
-from mgs.sim.servo import Driven, JointState
+from mgs.sim.servo import Driven, DryFriction, JointState, with_friction
 from mgs.sim.settings import ServoName, Settings
 
 BASE = -1  # PyBullet's index of the base link
@@ -99,25 +99,41 @@ class PybulletEngine:
         states = self._p.getJointStates(self._body, self._joints, self._client)
         return JointState(*np.array([(s[0], s[1], s[3]) for s in states]).T)
 
-    def push(self, torque: Array, free_speed: Array) -> JointState:
+    @property
+    def rotors(self) -> Array:
+        """None: PyBullet has no rotors."""
+        return np.zeros(self._robot.n)
+
+    def push(
+        self, torque: Array, free_speed: Array, friction: DryFriction | None = None
+    ) -> JointState:
         """Make one step with torques (n,) [N m] that would be zero at free_speed (n,) [rad/s].
 
         Links are light without their rotors, a foot by a factor of 90: the damping of a servo would
         throw it to and fro at any step beyond 0.2 ms. Therefore a motor that aims at free_speed
         and has no more force than the torque: it gives all of it, except where that would take the
-        joint past the speed at which a servo has none left.
+        joint past the speed at which a servo has none left. A joint that dry friction holds is
+        held by its motor, at speed 0 with the bound of the friction, against the torque.
         """
-        self._p.setJointMotorControlArray(
+        p, client = self._p, self._client
+        against = None
+        if friction is not None:
+            torque, free_speed, against = with_friction(torque, free_speed, friction)
+            p.setJointMotorControlArray(
+                self._body, self._joints, p.TORQUE_CONTROL, forces=against, physicsClientId=client
+            )
+        p.setJointMotorControlArray(
             self._body,
             self._joints,
-            self._p.VELOCITY_CONTROL,
+            p.VELOCITY_CONTROL,
             targetVelocities=free_speed.tolist(),
             forces=np.abs(torque).tolist(),
             velocityGains=[1.0] * self._robot.n,
-            physicsClientId=self._client,
+            physicsClientId=client,
         )
         self._step()
-        return self.joints()
+        state = self.joints()
+        return state if against is None else state._replace(torque=state.torque + against)
 
     def carry(self, payload: Array) -> None:
         """From now on weights of masses (2,) [kg] pull at the hands."""

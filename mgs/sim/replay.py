@@ -23,6 +23,7 @@ import numpy as np
 from mgs.core.progress import Progress
 from mgs.motion import Motion
 from mgs.motion_file import read_motion
+from mgs.robot import servo_sources
 from mgs.sim.choice import choose_engines
 from mgs.sim.conditions import Conditions, disturbed
 from mgs.sim.engine import make_engine
@@ -44,6 +45,7 @@ class Replay:
     servo: ServoName
     feed_forward: bool  # whether servos were told more than the planned joint angles
     assumed_stiffness: float  # of the feed-forward, relative to that of the servos
+    servo_sources: dict[str, str]  # of modelled servos: where their figures come from, by name
     command_clipped_deg: float  # by how much a joint limit cuts a command at most
     command_clipped_joint: str | None
     is_balanced: bool  # whether the motion claims to stand all the way
@@ -161,6 +163,7 @@ def replay_prepared(
         servo=servo,
         feed_forward=prepared.feed_forward,
         assumed_stiffness=prepared.assumed_stiffness,
+        servo_sources=servo_sources(motion.robot) if servo == "model" else {},
         wall_seconds=time.perf_counter() - started,
         **_clip_figures(prepared),
         **figures,

@@ -11,9 +11,11 @@ import dataclasses
 from typing import NamedTuple, Protocol
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NV
 from mgs.robot import Robot, Servos, pd_servos, servos_of
 from mgs.sim.settings import ServoName, Settings
 
@@ -21,6 +23,7 @@ Bools = NDArray[np.bool_]
 
 NO_TICK = 1e-12  # [rad] resolution of a servo that has none
 LEAST_DAMPING = 1e-9  # [N m s/rad]; where it is 0 the speed-torque line ends a motion
+STILL = 1e-3  # [rad/s] below which dry friction holds a joint
 AT_LIMIT = 1e-3  # of the stall torque: so near the speed-torque line a servo is at its limit
 
 
@@ -39,13 +42,28 @@ class JointState(NamedTuple):
     torque: Array  # (n,) [N m]
 
 
+class DryFriction(NamedTuple):
+    """Friction that takes up any torque up to a bound, at joints that move or stand still."""
+
+    bound: Array  # (n,) [N m], 0 where there is none
+    velocity: Array  # (n,) of the joints [rad/s]
+    external: Array  # (n,) torques besides those of the servos, in the step before [N m]
+    brake: Array  # (n,) torque that the motor loses with speed [N m s/rad]
+
+
 class Pushed(Protocol):
     """The part of an engine that modelled servos need."""
+
+    @property
+    def rotors(self) -> Array:
+        """Inertia (n,) that the engine adds at the joints for the rotors [kg m^2]."""
 
     def joints(self) -> JointState:
         """Current state of the joints."""
 
-    def push(self, torque: Array, free_speed: Array) -> JointState:
+    def push(
+        self, torque: Array, free_speed: Array, friction: DryFriction | None = None
+    ) -> JointState:
         """Make one step with torques (n,) [N m] that would be zero at free_speed (n,) [rad/s]."""
 
 
@@ -69,12 +87,62 @@ def servo_figures(
     return dataclasses.replace(servos, stiffness=gain * servos.stiffness)
 
 
-class ServoModel:
-    """The servos of one robot in one replay."""
+def with_friction(
+    torque: Array, free_speed: Array, friction: DryFriction
+) -> tuple[Array, Array, Array]:
+    """Motors that push and rub, for an engine whose motors aim at a speed with a limited torque.
 
-    def __init__(self, servos: Servos, dt: float) -> None:
-        """Prepare for physics steps of dt [s]; latencies become whole steps."""
-        self._servos = s = servos
+    A joint that moves, or is about to, is braked by all of the friction, and not past standing
+    still. One that stands still is held there with the bound of the friction as the limit, and the
+    torque has to act against it.
+
+    Returns:
+        torque: limit (n,) of each motor [N m].
+        free_speed: the speed (n,) that it aims at [rad/s].
+        against: the torque (n,) that acts besides the motor [N m].
+    """
+    bound, v, external, brake = friction
+    moves, load = np.abs(v) > STILL, torque + external
+    sense = np.sign(np.where(moves, v, load))
+    net = torque - sense * bound
+    aim = v + net / brake
+    aim = np.where(aim * sense < 0.0, 0.0, aim)
+    rubs = bound > 0.0
+    holds = rubs & ~moves & (np.abs(load) <= bound)
+    limit = np.where(holds, bound, np.where(rubs, net, torque))
+    speed = np.where(holds, 0.0, np.where(rubs, aim, free_speed))
+    return limit, speed, np.where(holds, torque, 0.0)
+
+
+def inertia_at_joints(robot: Robot) -> Array:
+    """Inertia (n,) [kg m^2] of what each joint moves in the standing posture, without rotors."""
+    model = robot.model
+    return np.array(np.diag(pin.crba(model, model.createData(), robot.standing_q)))[
+        FLOATING_BASE_NV:
+    ]
+
+
+class ServoModel:
+    """The servos of one robot in one replay.
+
+    Dry friction that depends on the load is left to the engine; the model gives its bound. The
+    external torque that the bound depends on is what the last step shows to have acted on a joint
+    besides its servo: inertia a - torque, with the inertia that the joint has if all others are
+    held.
+    """
+
+    def __init__(self, servos: Servos, dt: float, inertia: Array | float = 0.0) -> None:
+        """Prepare for physics steps.
+
+        Args:
+            servos: figures of the servos.
+            dt: physics step [s]; latencies become whole steps.
+            inertia: of what each joint (n,) moves, without rotors [kg m^2]; only for servos whose
+                friction depends on the load.
+        """
+        self._servos, self._dt, self._inertia = servos, dt, inertia
+        s = servos
+        self._external = np.zeros_like(s.stall_torque)  # torques (n,) besides those of servos [N m]
         self.delay = np.rint(s.latency / dt).astype(np.intp)  # (n,) [steps]
         self._memory = int(self.delay.max(initial=0))
         self._told: Array | None = None  # (memory, n) commands that are still under way
@@ -84,6 +152,7 @@ class ServoModel:
         self._brake = np.maximum(s.damping + s.viscous_friction, LEAST_DAMPING)
         by_line = (s.stall_torque - s.coulomb_friction) / (self._line + s.viscous_friction)
         self._fastest = np.maximum(by_line, 0.0)
+        self._most = np.where(s.brakes_beyond_stall, np.inf, s.stall_torque)
 
     def drive(self, engine: Pushed, commands: Array) -> Driven:
         """Make k steps under commands (k, n) [rad]."""
@@ -91,9 +160,24 @@ class ServoModel:
         state = engine.joints()
         for k, command in enumerate(self._in_ticks(self._delayed(commands))):
             torque, free_speed, limited[k] = self._torque(command, state.position, state.velocity)
-            state = engine.push(torque, free_speed)
+            if self._servos.load_friction is None:
+                state = engine.push(torque, free_speed)
+            else:
+                state = self._push_under_load(engine, torque, free_speed, state.velocity)
             torques[k] = state.torque
         return Driven(torques, limited)
+
+    def _push_under_load(
+        self, engine: Pushed, torque: Array, free_speed: Array, v: Array
+    ) -> JointState:
+        """Make one step with friction that depends on the load, and look at what the load was."""
+        friction = self._servos.load_friction
+        assert friction is not None
+        bound = friction.bound(v, torque, self._external)
+        state = engine.push(torque, free_speed, DryFriction(bound, v, self._external, self._brake))
+        inertia = self._inertia + engine.rotors
+        self._external = inertia * (state.velocity - v) / self._dt - state.torque
+        return state
 
     def _delayed(self, commands: Array) -> Array:
         """What reaches the servos (k, n); before anything was told, they were told the first."""
@@ -132,8 +216,8 @@ class ServoModel:
         free_speed = np.copysign(np.maximum(free_speed, 0.0), error)
         wanted = np.copysign(drive, error) - s.damping * v
         braked = self._line * v
-        most = np.minimum(s.stall_torque, s.stall_torque - braked)
-        least = np.maximum(-s.stall_torque, -s.stall_torque - braked)
+        most = np.minimum(self._most, s.stall_torque - braked)
+        least = np.maximum(-self._most, -s.stall_torque - braked)
         limited = (wanted >= most - self._margin) | (wanted <= least + self._margin)
         torque = np.minimum(np.maximum(wanted, least), most) - s.friction(v)
         free_speed = np.where(torque > 0.0, np.maximum(free_speed, v), np.minimum(free_speed, v))

@@ -16,6 +16,10 @@ OWN_SERVOS: dict[EngineName, tuple[ServoName, ...]] = {
     "mujoco": ("ideal", "pd"),
 }
 
+# Longest physics step [s] with friction that depends on the load: without rotors, feet in contact
+# jitter in PyBullet, and jitter loosens what dry friction holds.
+LOAD_FRICTION_STEP: dict[EngineName, float] = {"pybullet": 0.00025, "mujoco": 0.0005}
+
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:

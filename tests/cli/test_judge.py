@@ -265,6 +265,11 @@ def test_a_verdict_names_its_servos(walk_file: Path):
     verdict = json.loads(result.stdout)
     checked(verdict)
     assert (result.exit_code, verdict["servo"], verdict["verdict"]) == (0, "model", "pass")
+    source = "figures of robot.yaml"
+    assert verdict["replays"][0]["servo_sources"] == {"AX-12": source, "RX-28": source}
+    words = run("validate", walk_file, "--physics", "mujoco", "--servo", "model").stdout
+    told = "modelled servos that were not identified by measurements: "
+    assert f"{told}AX-12: {source}; RX-28: {source}" in words.splitlines()
     nothing = json.loads(run("validate", walk_file, "--physics", "none", "--json").stdout)
     assert nothing["servo"] is None
 
