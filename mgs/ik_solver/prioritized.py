@@ -33,7 +33,7 @@ from mgs.com_generator import ComTrajectory
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.core.contact import Side, Support
-from mgs.core.errors import IkError
+from mgs.core.errors import InfeasibleGaitError
 from mgs.core.progress import Progress, samples_reported
 from mgs.core.spans import span_starts
 from mgs.gait import IkParameters, PrioritizedParameters
@@ -283,18 +283,18 @@ class PrioritizedRun:
                 self.tasks.J, rates, self.error, self.free, self.bound, self.least_behind
             )
         except np.linalg.LinAlgError as error:
-            raise self._missed(k, str(error)) from error
+            # the motion has most likely left its tasks before: name the first one
+            self._refuse_misses(self.configurations[:k])
+            raise InfeasibleGaitError(
+                f"t = {k * self.dt:.3f} s: the priority levels have no solution: {error}"
+            ) from error
 
-    def _missed(self, k: int, reason: str) -> IkError:
-        """Error for the critical task that is missed by most at sample k."""
-        self._measure(k)
-        sizes = {
-            task: float(task.sizes(self.error[None])[0])
-            for task in judged_rows(self.tasks, self.critical)
-        }
-        worst = max(sizes, key=lambda task: sizes[task] / task.tolerance)
-        name = f"{worst.name} ({reason})"
-        return IkError(k * self.dt, name, sizes[worst], worst.tolerance, worst.unit)
+    def _refuse_misses(self, configurations: Array) -> Array:
+        """Errors (M, m) along the first M configurations; raises IkError at a critical miss."""
+        errors = measure_tasks(self.tasks, self.targets, configurations)
+        if not self.solver.keep and len(errors):
+            refuse_misses(judged_rows(self.tasks, self.critical), errors, self.dt)
+        return errors
 
     def _check_phase(self, k: int) -> None:
         """Note the ranks of the constraints; raises ConfigError where they do not suffice."""
@@ -314,10 +314,9 @@ class PrioritizedRun:
             IkError: a critical task is missed.
             JointLimitError: a joint leaves its range.
         """
-        errors = measure_tasks(self.tasks, self.targets, self.configurations)
+        errors = self._refuse_misses(self.configurations)
         joints = self.configurations[:, FLOATING_BASE_NQ:].copy()
         if not self.solver.keep:
-            refuse_misses(judged_rows(self.tasks, self.critical), errors, self.dt)
             refuse_limits(self.robot, joints, self.dt)
         judged = judged_rows(self.tasks, self.tasks.parts)
         report = PrioritizedReport(
