@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import json
+import os
+import resource
 import subprocess
 import sys
 import tempfile
 import time
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from spread import Spread, spread
 
 MGS = "from mgs.cli import main; main(prog_name='mgs')"
-IMPORTS = (
-    "import mgs.cli, mgs.gait, mgs.motion_file, mgs.pipeline, mgs.robot, mgs.judge.motion_checks"
-)
+SETTINGS = "from mgs.cli.process import prepare_process; prepare_process(); "
+# modules are imported when they are needed, so that a run has to tell which ones a command loads
+LOADED = """
+import sys
+from mgs.cli import main
+main(sys.argv[1:], standalone_mode=False)
+print(*(name for name in sys.modules if name.startswith("mgs.")), sep=", ")
+"""
 # `ru_maxrss` of a new process includes the memory of its parent process, VmHWM does not
 GROWTH = """
 import io, json, re, resource, sys
@@ -30,7 +38,7 @@ def peak():
     return int(re.search(r"VmHWM:\\s*(\\d+) kB", text)[1]) * 1024
 
 from mgs.cli import main
-import mgs.gait, mgs.motion_file, mgs.pipeline, mgs.robot, mgs.judge.motion_checks
+import mgs.ik_solver.clik, mgs.judge.motion_checks, mgs.motion_file, mgs.pipeline
 before = peak()
 output = io.StringIO()
 with redirect_stdout(output):
@@ -39,26 +47,57 @@ print(json.dumps({"summary": json.loads(output.getvalue()), "before": before, "p
 """
 
 
-def generate_times(gait: str, repeats: int) -> dict[str, Spread]:
-    """Wall times [s] of `mgs generate`, its imports, `mgs --help` and Python without imports."""
-    times: dict[str, list[float]] = {}
+@dataclass(frozen=True)
+class Times:
+    """Wall time and CPU time (user and system, all threads) of a process [s]."""
+
+    wall: Spread
+    cpu: Spread
+
+    def to_dict(self) -> dict[str, dict[str, float]]:
+        """Convert to plain data."""
+        return {"wall": self.wall.to_dict(), "cpu": self.cpu.to_dict()}
+
+
+def generate_times(gait: str, repeats: int) -> dict[str, Times]:
+    """Times of `mgs generate`, its imports, `mgs --help` and Python without imports.
+
+    Modules are compiled before, as they are after an installation.
+    """
+    times: dict[str, list[tuple[float, float]]] = {}
     with tempfile.TemporaryDirectory() as folder:
-        for i in range(repeats):
-            path = str(Path(folder) / f"{i}.mcap")
-            for name, command in {
-                "mgs generate": ["-c", MGS, "generate", gait, "-o", path],
-                "its imports": ["-c", IMPORTS],
-                "mgs --help": ["-c", MGS, "--help"],
-                "python alone": ["-c", "pass"],
-            }.items():
-                times.setdefault(name, []).append(_wall_time([sys.executable, *command]))
-    return {name: spread(values) for name, values in times.items()}
+        environment = {**os.environ, "PYTHONPYCACHEPREFIX": folder}
+        environment.pop("PYTHONDONTWRITEBYTECODE", None)
+        generate = ["generate", gait, "--force", "-o", str(Path(folder) / "walk.mcap")]
+        commands = {
+            "mgs generate": [MGS, *generate],
+            "its imports": [SETTINGS + f"import {_loaded_modules(generate, environment)}"],
+            "mgs --help": [MGS, "--help"],
+            "python alone": ["pass"],
+        }
+        for _ in range(repeats):
+            for name, command in commands.items():
+                times.setdefault(name, []).append(_run(["-c", *command], environment))
+    return {
+        name: Times(*(spread(column) for column in zip(*values, strict=True)))
+        for name, values in times.items()
+    }
 
 
-def _wall_time(command: list[str]) -> float:
-    start = time.perf_counter()
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    return time.perf_counter() - start
+def _loaded_modules(arguments: list[str], environment: dict[str, str]) -> str:
+    """Names of all modules of mgs that a command loads; compiles them."""
+    command = [sys.executable, "-c", LOADED, *arguments]
+    done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, env=environment)
+    return done.stdout.splitlines()[-1]
+
+
+def _run(arguments: list[str], environment: dict[str, str]) -> tuple[float, float]:
+    """Wall time and CPU time of one run of Python [s]."""
+    start, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
+    command = [sys.executable, *arguments]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=environment)
+    wall, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return wall, after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 
 
 def growth(gait: str, n_steps: int) -> dict[str, Any]:

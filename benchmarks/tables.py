@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+MINIMUM_MEDIAN = ("minimum", "median")
 MEMORY_BOUND = 500  # [MB] largest memory of a walk of 160 000 samples
 NAMES = {  # labels of results in the tables
     "with the gravity task": "with gravity task",
@@ -94,13 +95,15 @@ def _stages(figures: dict[str, Any]) -> str:
 
 def _command(figures: dict[str, Any]) -> str:
     found = figures["command"]
-    whole = found["mgs generate"]["median"]
-    rows = [
-        [NAMES.get(name, name), _ms(t["least"]), _ms(t["median"]), f"{t['median'] / whole:.0%}"]
-        for name, t in found.items()
-    ]
-    title = f"process, {figures['walk']}"
-    return table([title, "minimum [ms]", "median [ms]", "share of mgs generate"], rows)
+    whole = found["mgs generate"]["cpu"]["median"]
+    rows = []
+    for name, times in found.items():
+        wall, cpu = times["wall"], times["cpu"]
+        share = f"{cpu['median'] / whole:.0%}"
+        cells = [*(_ms(t[k]) for t in (wall, cpu) for k in ("least", "median")), share]
+        rows.append([NAMES.get(name, name), *cells])
+    wall_and_cpu = [f"{time}, {value} [ms]" for time in ("wall", "CPU") for value in MINIMUM_MEDIAN]
+    return table([f"process, {figures['walk']}", *wall_and_cpu, "share of CPU time"], rows)
 
 
 def _growth(figures: dict[str, Any]) -> str:
