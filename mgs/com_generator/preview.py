@@ -32,8 +32,8 @@ from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
 
 REST_SPEED, REST_DISTANCE = 2e-3, 1e-3  # [m/s], [m] at which the CoM counts as at rest at the end
-SLOWEST = 60.0  # [s], the longest rest that a gait may have
-FORGOTTEN = 1e-30  # share of a state that is left when nothing of it matters any more
+SLOWEST = 60.0  # [s] largest time constant of a CoM motion, that of the longest rest of a gait
+FORGOTTEN = 1e-30  # remaining fraction of a state below which it has no effect on later states
 
 
 @dataclass(frozen=True, eq=False)

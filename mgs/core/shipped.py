@@ -1,4 +1,4 @@
-"""Where the gaits and robots are that ship with mgs."""
+"""Folders of the gaits and robots that ship with mgs."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Literal
 
 
 def shipped_folder(kind: Literal["gaits", "robots"]) -> Path:
-    """Folder of shipped gaits or robots: inside an installed wheel, else beside the package."""
+    """Folder of shipped gaits or robots: inside the installed package, else beside its sources."""
     package = Path(str(importlib.resources.files("mgs")))
     inside = package / "data" / kind
     return (inside if inside.is_dir() else package.parent / kind).resolve()
