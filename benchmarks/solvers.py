@@ -19,7 +19,8 @@ from tables import table
 from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.core.plugins import IK_SOLVERS
 from mgs.gait import load_gait
-from mgs.judge.motion_checks import check_motion, tracking_errors
+from mgs.judge.motion_checks import check_motion
+from mgs.judge.tracking import tracking_errors
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
 from mgs.pipeline import run_stages
@@ -85,7 +86,7 @@ def report(found: dict[str, dict[str, Any]]) -> str:
     rows = []
     for name, figures in found.items():
         tracking = figures["tracking"]
-        micrometres = [1e6 * tracking[key] for key in ("sole_position", "hand_position", "com")]
+        micrometres = [1e6 * getattr(tracking, key) for key in ("sole_position", "hand_position", "com")]
         rows.append(
             [
                 name,

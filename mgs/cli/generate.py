@@ -12,6 +12,7 @@ from mgs.cli.common import force_option, json_option, print_json, with_progress
 
 if TYPE_CHECKING:
     from mgs.motion import Motion
+    from mgs.motion.provenance import FilterReport
 
 
 @click.command()
@@ -81,11 +82,13 @@ def generate(
     if as_json:
         print_json(summary)
     else:
-        _print_summary(summary, motion)
+        _print_summary(path, motion, seconds)
 
 
 def _summary(path: Path, motion: Motion, seconds: dict[str, float]) -> dict[str, object]:
-    from mgs.judge.motion_checks import tracking_errors
+    from dataclasses import asdict
+
+    from mgs.judge.tracking import tracking_errors
 
     return {
         "file": str(path),
@@ -95,58 +98,45 @@ def _summary(path: Path, motion: Motion, seconds: dict[str, float]) -> dict[str,
         "samples": motion.n_samples,
         "dt": motion.dt,
         "duration": motion.duration,
-        "tracking": tracking_errors(motion),
+        "tracking": asdict(tracking_errors(motion)),
         "zmp_error": motion.provenance.to_dict().get("zmp_error"),
         "seconds": seconds,
     }
 
 
-def _print_summary(summary: dict[str, object], motion: Motion) -> None:
+def _print_summary(path: Path, motion: Motion, seconds: dict[str, float]) -> None:
     from mgs.judge.motion_checks import joint_position, zmp_margins
+    from mgs.judge.tracking import tracking_errors
 
-    tracking, seconds = tracking_of(summary), seconds_of(summary)
-    limit = joint_position(motion)
+    tracking, limit = tracking_errors(motion), joint_position(motion)
+    solver = motion.provenance.solver.name
     margin = "no balance check for this motion"
     if motion.gait.is_balanced:
         inside = 1e3 * zmp_margins(motion, motion.zmp).min()
         margin = f"multibody ZMP {inside:.1f} mm inside the support polygon"
     stages = ", ".join(f"{stage} {1e3 * t:.0f}" for stage, t in seconds.items())
     click.echo(
-        f"{click.format_filename(str(summary['file']))}\n"
-        f"  robot     {summary['robot']}, gait {summary['gait']}, solver {summary['solver']}\n"
+        f"{click.format_filename(str(path))}\n"
+        f"  robot     {motion.robot.spec.name}, gait {motion.gait_name}, solver {solver}\n"
         f"  motion    {motion.duration:.2f} s, {motion.n_samples} samples of {motion.dt:g} s\n"
-        f"  tracking  soles {1e3 * tracking['sole_position']:.4f} mm and "
-        f"{tracking['sole_rotation']:.1e} rad, hands {1e3 * tracking['hand_position']:.4f} mm, "
-        f"CoM {1e3 * tracking['com']:.4f} mm (worst sample)\n"
+        f"  tracking  soles {1e3 * tracking.sole_position:.4f} mm and "
+        f"{tracking.sole_rotation:.1e} rad, hands {1e3 * tracking.hand_position:.4f} mm, "
+        f"CoM {1e3 * tracking.com:.4f} mm (worst sample)\n"
         f"  margins   {limit.where} {limit.value:.3f} rad from its limit, "
         f"{margin}\n"
-        f"{_zmp_line(summary['zmp_error'])}"
+        f"{_zmp_line(motion.provenance.zmp_error)}"
         f"  time      {stages} ms"
     )
 
 
-def _zmp_line(error: object) -> str:
+def _zmp_line(error: FilterReport | None) -> str:
     """ZMP errors before and after the dynamic filter; empty for motions without a planned ZMP."""
-    if not isinstance(error, dict):
+    if error is None:
         return ""
-    before, after = (error[key] for key in ("before", "after"))
-    passes = "1 pass" if error["passes"] == 1 else f"{error['passes']} passes"
+    before, after = error.before, error.after
+    passes = "1 pass" if error.passes == 1 else f"{error.passes} passes"
     return (
-        f"  ZMP       mean error {1e3 * before['mean']:.2f} mm (largest "
-        f"{1e3 * before['max']:.2f} mm), after {passes} of the dynamic filter "
-        f"{1e3 * after['mean']:.2f} mm (largest {1e3 * after['max']:.2f} mm)\n"
+        f"  ZMP       mean error {1e3 * before.mean:.2f} mm (largest "
+        f"{1e3 * before.max:.2f} mm), after {passes} of the dynamic filter "
+        f"{1e3 * after.mean:.2f} mm (largest {1e3 * after.max:.2f} mm)\n"
     )
-
-
-def tracking_of(summary: dict[str, object]) -> dict[str, float]:
-    """Tracking errors of a summary."""
-    tracking = summary["tracking"]
-    assert isinstance(tracking, dict)
-    return tracking
-
-
-def seconds_of(summary: dict[str, object]) -> dict[str, float]:
-    """Stage times of a summary."""
-    seconds = summary["seconds"]
-    assert isinstance(seconds, dict)
-    return seconds

@@ -97,19 +97,6 @@ def check_motion(motion: Motion, progress: Progress | None = None) -> list[Check
     ]
 
 
-def tracking_errors(motion: Motion) -> dict[str, float]:
-    """Largest distance of soles, hands and CoM from their references [m] and [rad]."""
-    soles, hands = motion.soles - motion.soles_ref, motion.hands[..., :3] - motion.hands_ref
-    turn = rotation_angles(motion.soles[..., 3:], motion.soles_ref[..., 3:])
-    return {
-        "sole_position": float(np.linalg.norm(soles[..., :3], axis=-1).max()),
-        "sole_rotation": float(turn.max()),
-        "hand_position": float(np.linalg.norm(hands, axis=-1).max()),
-        "torso_rotation": float(rotation_angles(motion.torso[:, 3:], motion.torso_ref).max()),
-        "com": float(np.linalg.norm(motion.com - motion.com_ref, axis=-1).max()),
-    }
-
-
 def zmp_margins(motion: Motion, zmp: Array, soles: Array | None = None) -> Array:
     """Signed distance (N,) of points (N, 2) to the edge of the support polygon [m].
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.core.contact import Footstep, Side
 from mgs.core.geometry import quat_xyzw_from_yaw
 from mgs.motion import Motion
@@ -110,8 +111,8 @@ class TrajectoryMessage:
 
     def _columns(self, samples: slice) -> dict[str, NDArray[Any]]:
         return {
-            "positions": self.motion.q[samples, 7:],
-            "velocities": self.motion.v[samples, 6:],
+            "positions": self.motion.q[samples, FLOATING_BASE_NQ:],
+            "velocities": self.motion.v[samples, FLOATING_BASE_NV:],
             "time": self.times[samples],
         }
 

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.core.contact import Side, Support
 from mgs.motion_file.cdr import Layout, Slot, message_layout
 from mgs.motion_file.transforms import LinkTree
@@ -105,8 +106,8 @@ def _joint_states(robot: Robot) -> SampleTopic:
         "effort": Slot("effort", n),
     }
     parts = {
-        "position": ("q", np.s_[:, 7:]),
-        "velocity": ("v", np.s_[:, 6:]),
+        "position": ("q", np.s_[:, FLOATING_BASE_NQ:]),
+        "velocity": ("v", np.s_[:, FLOATING_BASE_NV:]),
         "effort": ("torque", np.s_[:]),
     }
     return SampleTopic("/joint_states", kind, message_layout(kind, value), parts)
