@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -50,3 +51,23 @@ def test_importing_the_command_line_changes_no_setting():
     script = "import gc, os; before = gc.get_threshold(), dict(os.environ); import mgs.cli; "
     script += "assert before == (gc.get_threshold(), dict(os.environ))"
     subprocess.run([sys.executable, "-c", script], check=True)
+
+
+def test_a_walk_imports_only_what_it_uses(tmp_path: Path):
+    script = f"""
+import sys
+from pathlib import Path
+from mgs.cli import main
+main(["generate", "melson/walk_5cm", "-o", {str(tmp_path / "walk.mcap")!r}], standalone_mode=False)
+print("LOADED", *sys.modules)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    loaded = set(done.stdout.split("LOADED")[1].split())
+    assert {"mgs.motion_planner.walk", "mgs.ik_solver.clik", "mgs.motion_file.write"} <= loaded
+    unused = {"scipy", "control", "matplotlib", "mujoco", "pybullet", "piqp", "distributed"}
+    unused |= {"mgs.motion_file.read", "mgs.pipeline.sequence", "mgs.com_generator.qp"}
+    unused |= {f"mgs.motion_planner.{kind}" for kind in ("kick", "pick_up", "keyframes", "balance")}
+    unused |= {f"mgs.ik_solver.{name}" for name in ("hard_soft", "prioritized", "whole_motion")}
+    assert not loaded & unused
