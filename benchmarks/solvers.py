@@ -86,7 +86,9 @@ def report(found: dict[str, dict[str, Any]]) -> str:
     rows = []
     for name, figures in found.items():
         tracking = figures["tracking"]
-        micrometres = [1e6 * getattr(tracking, key) for key in ("sole_position", "hand_position", "com")]
+        micrometres = [
+            1e6 * getattr(tracking, key) for key in ("sole_position", "hand_position", "com")
+        ]
         rows.append(
             [
                 name,
