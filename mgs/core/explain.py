@@ -88,8 +88,7 @@ def _place(model: type[BaseModel], loc: Iterable[Any]) -> Place:
         field = models[0].model_fields.get(part) if models else None
         if field is not None:
             annotation = field.annotation
-            found = UNIT.search(field.description or "")
-            unit = found.group() if found else ""
+            unit = " or ".join(dict.fromkeys(UNIT.findall(field.description or "")))
         elif not models:  # an item of a list, or a key that people choose: the name of a servo
             annotation = next(iter(reversed(typing.get_args(annotation))), None)
     return Place(keys, _models(annotation), unit)

@@ -351,12 +351,15 @@ def test_every_number_of_a_balance_motion_has_its_range(key: str, allowed: list,
     [
         (
             sine("com_y", 2.01),
-            "amplitude: input should be less than or equal to 2 [m or rad], found 2.01",
+            "amplitude: input should be less than or equal to 2 [m] or [rad], found 2.01",
         ),
         (sine("com_y", 0.1, 0.0), "frequency: input should be greater than 0 [Hz], found 0.0"),
         (sine("com_y", 0.1, 20.1), "frequency: input should be less than or equal to 20 [Hz]"),
         (sine("com_y", 0.1, phase=10.1), "phase: input should be less than or equal to 10 [rad]"),
-        (constant("com_y", -2.01), "value: input should be greater than or equal to -2 [m or rad]"),
+        (
+            constant("com_y", -2.01),
+            "value: input should be greater than or equal to -2 [m] or [rad], found -2.01",
+        ),
         (constant("com", 0.1), "task: input should be 'com_x', 'com_y', "),
         (
             {"task": "com_x", "wave": "ramp", "value": 0.1, "start": -0.1, "end": 1.0},
