@@ -152,7 +152,9 @@ def disturbed(robot: Robot, conditions: Conditions) -> Robot:
         lever = link.lever + conditions.com
         model.inertias[joint] = pin.Inertia(factor * link.mass, lever, factor * link.inertia)
     torque_limit = conditions.supply * robot.torque_limit
-    return dataclasses.replace(robot, model=model, torque_limit=torque_limit)
+    there = dataclasses.replace(robot, model=model, torque_limit=torque_limit)
+    vars(there)["geometry"] = robot.geometry  # the shapes are the same; parsing them takes time
+    return there
 
 
 def gravity_on_slope(slope: Array, gravity: float) -> Array:

@@ -66,8 +66,9 @@ def set_damping(model: Any, robot: Robot, settings: Settings, gain: Array) -> No
 def pd_torques(forces: Array, stall: Array) -> Driven:
     """Torques of PD servos from the forces (k, 2 n) of their actuators and stall torques (n,)."""
     n, most = len(stall), (1.0 - AT_LIMIT) * stall
-    torque = np.clip(forces[:, :n] + forces[:, n:], -stall, stall)
-    return Driven(torque, (np.abs(forces[:, :n]) >= most) | (np.abs(torque) >= most))
+    by_law = forces[:, :n]
+    torque = np.minimum(np.maximum(by_law + forces[:, n:], -stall), stall)
+    return Driven(torque, np.maximum(np.abs(by_law), np.abs(torque)) >= most)
 
 
 def harden_friction(model: Any, dt: float) -> None:
