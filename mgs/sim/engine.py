@@ -33,8 +33,15 @@ class Engine(Protocol):
     def place(self, q: Array) -> None:
         """Put the robot at q, at rest."""
 
-    def drive(self, position: Array, velocity: Array) -> Driven:
-        """Make k steps with the engine's servos aiming at (k, n) joint states after each step."""
+    def drive(self, position: Array, velocity: Array) -> Array:
+        """Make k steps with the engine's servos aiming at (k, n) joint states after each step.
+
+        Returns:
+            What the servos did (k, m), which `torques` understands.
+        """
+
+    def torques(self, driven: Array) -> Driven:
+        """Torques of what `drive` has given in any number of steps (k, m)."""
 
     def joints(self) -> JointState:
         """Current state of the joints."""

@@ -27,7 +27,7 @@ from mgs.sim.settings import ServoName, Settings
 
 XYZW_FROM_WXYZ = [1, 2, 3, 0]
 WXYZ_FROM_XYZW = [3, 0, 1, 2]
-THREE, SIDES = np.arange(3), np.arange(2)
+THREE = np.arange(3)
 # Parts of a step that a robot on its soles has no use for. Leaving them out changes no result.
 UNUSED = ("EQUALITY", "SPRING", "DAMPER", "SENSOR", "MIDPHASE")
 IMPRATIO = 10.0  # friction this much stiffer than the normal contact: soles do not creep
@@ -66,10 +66,9 @@ class MujocoEngine:
         self._hands = [robot.model.frames[frame] for frame in robot.hand_frames]
         feet = [robot.model.frames[frame].parentJoint for frame in robot.sole_frames]
         side_of_body = {self._bodies[joint - 1]: side for side, joint in enumerate(feet)}
-        body_of_geom = self._model.geom_bodyid
-        self._side_of_geom = np.array([side_of_body.get(body, -1) for body in body_of_geom])
-        self._is_ground = body_of_geom == 0  # the floor and its boxes
-        self._far_shapes = FarShapes(self._model, self._data, self._side_of_geom)
+        side_of_geom = np.array([side_of_body.get(body, -1) for body in self._model.geom_bodyid])
+        self._on_soles = sole_pairs(side_of_geom, self._model.geom_bodyid == 0)
+        self._far_shapes = FarShapes(self._model, self._data, side_of_geom)
         self._balls = [self._model.joint(f"ball_{i}") for i in range(len(scene.balls))]
 
     @property
@@ -86,8 +85,8 @@ class MujocoEngine:
         data.qpos[self._angles] = q[FLOATING_BASE_NQ:]
         mj.mj_forward(self._model, data)
 
-    def drive(self, position: Array, velocity: Array) -> Driven:
-        """Make k steps of the engine's servos towards (k, n) joint states."""
+    def drive(self, position: Array, velocity: Array) -> Array:
+        """Make k steps of the engine's servos towards (k, n) joint states; gives their forces."""
         step, model, data = self._mj.mj_step, self._model, self._data
         ctrl, force = data.ctrl[: self._robot.n], data.actuator_force
         self._far_shapes.leave_out(len(position) * self._settings.dt)
@@ -96,9 +95,13 @@ class MujocoEngine:
             ctrl[:] = target
             step(model, data)
             row[:] = force
+        return forces
+
+    def torques(self, driven: Array) -> Driven:
+        """Torques of the forces that `drive` has given."""
         if self._servo == "pd":
-            return pd_torques(forces, self._robot.torque_limit)
-        return Driven(forces, None)
+            return pd_torques(driven, self._robot.torque_limit)
+        return Driven(driven, None)
 
     def joints(self) -> JointState:
         """Current state of the joints."""
@@ -156,16 +159,14 @@ class MujocoEngine:
         """What the floor does to the soles (2, 5): forces [N], first moments [N m]."""
         contact = self._data.contact
         first = contact.efc_address  # of its constraint forces, -1: none
-        if not len(first) or not len(self._data.efc_force):
+        if not len(self._data.efc_force):
             return np.zeros((2, 5))
         # with elliptic cones these are the forces along the axes of the contact's frame
         axes = contact.frame.reshape(-1, 3, 3)
-        on_second = (self._data.efc_force[first[:, None] + THREE][:, None] @ axes)[:, 0]
-        sides, is_ground = self._side_of_geom[contact.geom], self._is_ground[contact.geom]
-        f = np.where(sides[:, 1:] >= 0, on_second, -on_second)
+        f = (self._data.efc_force[first[:, None] + THREE][:, None] @ axes)[:, 0]
         rows = np.concatenate([f, f[:, 2:] * contact.pos[:, :2]], axis=1)
-        counts = is_ground.any(axis=1) & (first >= 0)
-        return np.asarray(((sides.max(axis=1) == SIDES[:, None]) & counts) @ rows)
+        one, other = contact.geom.T
+        return np.asarray((self._on_soles[one, other].T * (first >= 0)) @ rows)
 
     def balls(self) -> Array:
         """Positions and velocities (b, 6) of the balls."""
@@ -263,3 +264,15 @@ class MujocoEngine:
             set_damping(model, self._robot, settings, self._gain)
         harden_friction(model, settings.dt)
         return model
+
+
+def sole_pairs(side_of_geom: Array, is_ground: Array) -> Array:
+    """How the force on the second of two shapes (g, g) counts on the soles (g, g, 2): 1, -1 or 0.
+
+    Args:
+        side_of_geom: side (g,) of each sole, -1 for all other shapes.
+        is_ground: whether a shape (g,) is the floor or one of its boxes.
+    """
+    on_second = is_ground[:, None, None] & (side_of_geom[:, None] == np.arange(2))
+    counts = on_second.astype(np.float64)
+    return counts - counts.swapaxes(0, 1)

@@ -7,8 +7,8 @@ the last posture for a while. Nothing that happens is fed back to the targets.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,15 +87,37 @@ def play(
     return log.recording(plan[:k], soles, up, prepared.up[:k])
 
 
-Drive = Callable[[Array, Array], Driven]
+class Driver(Protocol):
+    """Servos: an engine with its own, or such as are evaluated outside."""
+
+    def drive(self, position: Array, velocity: Array) -> Array:
+        """Make k steps towards (k, n) joint states; gives what `torques` understands."""
+
+    def torques(self, driven: Array) -> Driven:
+        """Torques of what `drive` has given."""
 
 
-def _driver(engine: Engine, dt: float, servos: Servos | None, robot: Robot) -> Drive:
-    """The function that makes physics steps towards positions and velocities (k, n)."""
+@dataclass(frozen=True, eq=False)
+class _Outside:
+    """Servos that are evaluated outside the engine, once a step."""
+
+    engine: Engine
+    model: ServoModel
+
+    def drive(self, position: Array, velocity: Array) -> Array:
+        del velocity
+        torque, limited = self.model.drive(self.engine, position)
+        return np.hstack([torque, limited if limited is not None else np.zeros_like(torque)])
+
+    def torques(self, driven: Array) -> Driven:
+        torque, limited = np.hsplit(driven, 2)
+        return Driven(torque, limited > 0.0)
+
+
+def _driver(engine: Engine, dt: float, servos: Servos | None, robot: Robot) -> Driver:
     if servos is None:
-        return engine.drive
-    model = ServoModel(servos, dt, inertia_at_joints(robot))
-    return lambda position, velocity: model.drive(engine, position)
+        return engine
+    return _Outside(engine, ServoModel(servos, dt, inertia_at_joints(robot)))
 
 
 @dataclass(eq=False)
@@ -104,7 +126,7 @@ class _Log:
 
     motion: Motion
     engine: Engine
-    drive: Drive
+    driver: Driver
     targets: tuple[Array, Array]
     dt: float  # of the physics [s]
     q: list[Array] = field(default_factory=list)
@@ -123,10 +145,12 @@ class _Log:
         floor = min(f.z for f in motion.footsteps[:2])
         q = motion.q[0]
         self.engine.place(on_ground(motion.robot, q, floor) if motion.gait.is_balanced else q)
-        torque = np.zeros((1, motion.robot.n))
-        for _ in range(round(duration / motion.dt)):
-            torque, _ = self._period()
-        self._read(torque)
+        driven = [self._period() for _ in range(round(duration / motion.dt))]
+        self._read()
+        torque = np.zeros(motion.robot.n)
+        if driven:
+            torque = self.driver.torques(driven[-1]).torque.mean(axis=0)
+        self.torque.append(torque[None])
 
     def add(self, plan: NDArray[np.intp], progress: Progress | None, total: int) -> None:
         """Go on by sampling periods whose ends are samples `plan` of the motion.
@@ -138,26 +162,25 @@ class _Log:
             if payload is not None:
                 self.engine.carry(payload[sample])
             driven.append(self._period())
-            self._read(driven[-1].torque)
+            self._read()
             if progress is not None:
                 progress(len(self.q) - 1, total)
-        limited = [period.limited for period in driven if period.limited is not None]
-        torque = np.concatenate([period.torque for period in driven])
-        self.effort.add(torque, np.concatenate(limited) if limited else None)
+        torque, limited = self.driver.torques(np.concatenate(driven))
+        self.effort.add(torque, limited)
+        self.torque.append(torque.reshape(len(plan), self._n_steps, -1).mean(axis=1))
 
-    def _period(self) -> Driven:
+    def _period(self) -> Array:
         steps = slice(self._done, self._done + self._n_steps)
         self._done = steps.stop
         position, velocity = self.targets
-        return self.drive(position[steps], velocity[steps])
+        return self.driver.drive(position[steps], velocity[steps])
 
-    def _read(self, torque: Array) -> None:
+    def _read(self) -> None:
         q = self.engine.read()
         if not np.isfinite(q).all():
             t = len(self.q) * self.motion.dt
             raise DivergenceError(f"the simulation diverged at t = {t:.3f} s; try a smaller step")
         self.q.append(q)
-        self.torque.append(torque.mean(axis=0))
         self.contacts.append(self.engine.contacts())
         self.balls.append(self.engine.balls())
 
@@ -171,7 +194,7 @@ class _Log:
             soles=soles,
             up=up,
             up_plan=up_plan,
-            torque=np.array(self.torque),
+            torque=np.concatenate(self.torque),
             contacts=np.array(self.contacts),
             balls=np.array(self.balls),
             effort=self.effort,

@@ -83,8 +83,8 @@ class PybulletEngine:
         for joint, angle in zip(self._joints, q[FLOATING_BASE_NQ:].tolist(), strict=True):
             p.resetJointState(self._body, joint, angle, 0.0, physicsClientId=client)
 
-    def drive(self, position: Array, velocity: Array) -> Driven:
-        """Make k steps of ideal servos towards (k, n) joint states."""
+    def drive(self, position: Array, velocity: Array) -> Array:
+        """Make k steps of ideal servos towards (k, n) joint states; gives their torques."""
         p, body, joints, client = self._p, self._body, self._joints, self._client
         torques = np.empty_like(position)
         for target, speed, torque in zip(position, velocity, torques, strict=True):
@@ -92,7 +92,11 @@ class PybulletEngine:
             self._step()
             torque[:] = [state[3] for state in p.getJointStates(body, joints, client)]
             self._torque = torque
-        return Driven(torques, None)
+        return torques
+
+    def torques(self, driven: Array) -> Driven:
+        """The torques that `drive` has given."""
+        return Driven(driven, None)
 
     def joints(self) -> JointState:
         """Current state of the joints."""

@@ -121,7 +121,7 @@ def test_a_torque_is_never_above_the_stall_torque(engine_name, melson):
     target = np.tile(q[7:] + 1.0, (20, 1))
     with closing(make_engine(engine_name, melson, DEFAULTS[engine_name])) as simulator:
         simulator.place(q)
-        torque = np.abs(simulator.drive(target, np.zeros_like(target)).torque)
+        torque = np.abs(simulator.drive(target, np.zeros_like(target)))
     assert (torque <= melson.torque_limit * (1 + 1e-9)).all()
     np.testing.assert_allclose(torque[0], melson.torque_limit, rtol=1e-6)
 

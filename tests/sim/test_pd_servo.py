@@ -37,7 +37,7 @@ def run(robot, engine_name, commands, settings):
         model = ServoModel(pd_servos(robot, settings.sag, settings.damping_time), settings.dt)
         for command in np.asarray(commands, dtype=float).reshape(-1, 1, robot.n):
             if "pd" in OWN_SERVOS[engine_name]:
-                driven = engine.drive(command, np.zeros_like(command))
+                driven = engine.torques(engine.drive(command, np.zeros_like(command)))
             else:
                 driven = model.drive(engine, command)
             state = engine.joints()
