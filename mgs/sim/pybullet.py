@@ -15,16 +15,15 @@ import numpy as np
 
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV, GRAVITY
-from mgs.core.geometry import quat_xyzw_from_yaw
-from mgs.core.scene import BALL_FRICTION, EMPTY, Scene
+from mgs.core.scene import EMPTY, Scene
 from mgs.robot import Robot
 from mgs.sim.audit import EngineModel
 from mgs.sim.conditions import Conditions, bumps, gravity_on_slope
 from mgs.sim.model import simulation_urdf
+from mgs.sim.pybullet_scene import BASE, add_balls, add_ground
 from mgs.sim.servo import Driven, DryFriction, JointState, with_friction
 from mgs.sim.settings import ServoName, Settings
 
-BASE = -1  # PyBullet's index of the base link
 CORRECTION_TIME = 0.005  # [s] in which a motor makes up for an error of position
 
 
@@ -58,12 +57,13 @@ class PybulletEngine:
         self._payload = np.zeros(2)
         self._hands = [robot.model.frames[frame] for frame in robot.hand_frames]
         self._configure()
-        self._grounds = self._add_ground()
+        boxes = (*scene.boxes, *bumps(conditions))
+        self._grounds = add_ground(pybullet, self._client, boxes)
         self._body = self._load_robot()
         self._joints = self._joint_indices()
         feet = [robot.model.frames[frame].parentJoint for frame in robot.sole_frames]
         self._side_of_link = {self._joints[joint - 2]: side for side, joint in enumerate(feet)}
-        self._balls = self._add_balls()
+        self._balls = add_balls(pybullet, self._client, scene.balls, settings.friction)
         self._quiet_links()
 
     @property
@@ -264,51 +264,6 @@ class PybulletEngine:
             enableFileCaching=0,  # by path: the next robot's temporary file may bear the same name
             physicsClientId=client,
         )
-
-    def _add_ground(self) -> list[int]:
-        p, client = self._p, self._client
-        shape = p.createCollisionShape(p.GEOM_PLANE, physicsClientId=client)
-        grounds = [p.createMultiBody(0.0, shape, physicsClientId=client)]
-        for box in (*self._scene.boxes, *bumps(self._conditions)):
-            size = [0.5 * box.length, 0.5 * box.width, 0.5 * box.height]
-            shape = p.createCollisionShape(p.GEOM_BOX, halfExtents=size, physicsClientId=client)
-            grounds.append(
-                p.createMultiBody(
-                    0.0,
-                    shape,
-                    basePosition=[box.x, box.y, 0.5 * box.height],
-                    baseOrientation=quat_xyzw_from_yaw(box.yaw).tolist(),
-                    physicsClientId=client,
-                )
-            )
-        for ground in grounds:  # the friction of a pair is the product: all is in the robot's links
-            p.changeDynamics(
-                ground, BASE, lateralFriction=1.0, restitution=0.0, physicsClientId=client
-            )
-        return grounds
-
-    def _add_balls(self) -> list[int]:
-        p, client = self._p, self._client
-        balls = []
-        for ball in self._scene.balls:
-            shape = p.createCollisionShape(
-                p.GEOM_SPHERE, radius=ball.radius, physicsClientId=client
-            )
-            at = [ball.x, ball.y, ball.radius]
-            body = p.createMultiBody(ball.mass, shape, basePosition=at, physicsClientId=client)
-            p.changeDynamics(
-                body,
-                BASE,
-                lateralFriction=BALL_FRICTION / self._settings.friction,  # a pair's is the product
-                spinningFriction=0.0,
-                rollingFriction=0.0,
-                restitution=0.0,
-                linearDamping=0.0,
-                angularDamping=0.0,
-                physicsClientId=client,
-            )
-            balls.append(body)
-        return balls
 
     def _load_robot(self) -> int:
         p = self._p
