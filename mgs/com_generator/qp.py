@@ -30,10 +30,10 @@ from mgs.core.arrays import Array
 from mgs.core.constants import GRAVITY
 from mgs.core.contact import Support
 from mgs.core.errors import ConfigError, ZmpMarginError
-from mgs.core.geometry import convex_hull, sole_corners, yaw_from_quat_xyzw
 from mgs.core.spans import spans
 from mgs.gait import ComParameters
 from mgs.robot import Robot
+from mgs.robot.support_polygon import support_polygon
 from mgs.trajectory_planner import TaskTrajectory
 
 PRECISION = 1e-10  # of the solver, absolute and relative
@@ -98,12 +98,7 @@ def support_half_planes(robot: Robot, tasks: TaskTrajectory) -> list[tuple[slice
     """Samples, outward normals (m, 2) and offsets (m,): inside is normals @ zmp <= offsets."""
     half_planes = []
     for start, end in spans(tasks.support):
-        corners = []
-        for side in Support(tasks.support[start]).sides:
-            pose, sole = tasks.soles[start, side], robot.sole_spec(side)
-            planar = [pose[0], pose[1], float(yaw_from_quat_xyzw(pose[3:]))]
-            corners.append(sole_corners(planar, sole.length, sole.width))
-        polygon = convex_hull(np.concatenate(corners))
+        polygon = support_polygon(robot, tasks.soles[start], Support(tasks.support[start]))
         along = np.roll(polygon, -1, axis=0) - polygon
         normals = np.column_stack([along[:, 1], -along[:, 0]])
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)

@@ -24,12 +24,10 @@ from mgs.core.constants import (
 )
 from mgs.core.contact import Side, Support
 from mgs.core.geometry import (
-    convex_hull,
     polygon_margins,
     rotation_angles,
     rotations_from_quat_xyzw,
     sole_corners,
-    yaw_from_quat_xyzw,
 )
 from mgs.core.progress import Progress
 from mgs.core.scene import ground_below
@@ -37,6 +35,7 @@ from mgs.core.spans import spans
 from mgs.judge.wrench_feasibility import missing_wrenches
 from mgs.motion import Motion
 from mgs.motion.dynamics import WholeBodyMotion, analyse, contact_wrenches
+from mgs.robot.support_polygon import support_polygon
 
 CONTACT_TOLERANCE = 5e-4  # [m] a sole in support may move, sink or float
 RMS_TORQUE_RATIO = 0.3  # of stall torque; stall is no continuous rating
@@ -109,7 +108,7 @@ def zmp_margins(motion: Motion, zmp: Array, soles: Array | None = None) -> Array
     for start, end in spans(motion.support):
         if motion.support[start] == Support.DOUBLE and is_uneven(motion.soles_ref[start]):
             continue
-        polygon = support_polygon(motion, soles, start)
+        polygon = support_polygon(motion.robot, soles[start], Support(motion.support[start]))
         margins[start:end] = polygon_margins(zmp[start:end], polygon)
     return margins
 
@@ -117,16 +116,6 @@ def zmp_margins(motion: Motion, zmp: Array, soles: Array | None = None) -> Array
 def is_uneven(soles: Array) -> NDArray[np.bool_]:
     """Whether the soles (..., 2, 7) are at unequal heights."""
     return np.asarray(np.abs(np.diff(soles[..., 2])[..., 0]) > CONTACT_TOLERANCE)
-
-
-def support_polygon(motion: Motion, soles: Array, sample: int) -> Array:
-    """Convex hull (m, 2) of the soles (N, 2, 7) in contact at one sample, counter-clockwise."""
-    points = []
-    for side in Support(motion.support[sample]).sides:
-        pose, spec = soles[sample, side], motion.robot.sole_spec(side)
-        planar = [pose[0], pose[1], float(yaw_from_quat_xyzw(pose[3:]))]
-        points.append(sole_corners(planar, spec.length, spec.width))
-    return convex_hull(np.concatenate(points))
 
 
 def joint_position(motion: Motion) -> Check:

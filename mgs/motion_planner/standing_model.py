@@ -16,9 +16,9 @@ import pinocchio as pin
 
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV, GRAVITY
-from mgs.core.contact import Side
-from mgs.core.geometry import convex_hull, sole_corners
+from mgs.core.contact import Side, Support
 from mgs.robot import Robot
+from mgs.robot.support_polygon import support_polygon
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,11 +105,8 @@ class StandingModel:
 
     def polygon(self) -> Array:
         """Support polygon (m, 2), counter-clockwise [m]."""
-        corners = []
-        for side, sole in zip(Side, self.soles, strict=True):
-            spec, yaw = self.robot.sole_spec(side), np.arctan2(*sole.rotation[1::-1, 0])
-            corners.append(sole_corners([*sole.translation[:2], yaw], spec.length, spec.width))
-        return convex_hull(np.concatenate(corners))
+        poses = np.array([pin.SE3ToXYZQUAT(sole) for sole in self.soles])
+        return support_polygon(self.robot, poses, Support.DOUBLE)
 
     def _sole_forces(self, com: Array, weight: float) -> Array:
         """Generalised forces (6 + n,) of the ground on the soles for a CoM (3,) [N], [N m]."""

@@ -6,11 +6,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from mgs.core.arrays import Array
+from mgs.core.contact import Support
 from mgs.core.spans import spans
-from mgs.judge.motion_checks import support_polygon
 from mgs.motion import Motion
 from mgs.report.canvas import BLACK, GREEN, PURPLE
 from mgs.report.panels import Band, Line, Panel, draw_panels, shade_single_support
+from mgs.robot.support_polygon import support_polygon
 
 MM = 1e3  # millimetres per metre
 
@@ -44,7 +45,7 @@ def support_bounds(motion: Motion) -> Array:
     """
     bounds = np.empty((motion.n_samples, 2, 2))
     for start, end in spans(motion.support):
-        polygon = support_polygon(motion, motion.soles, start)
+        polygon = support_polygon(motion.robot, motion.soles[start], Support(motion.support[start]))
         for axis in (0, 1):
             level = motion.zmp[start:end, 1 - axis]
             bounds[start:end, axis] = section(polygon, level, axis)
