@@ -9,6 +9,7 @@ import click
 from mgs import experiments
 from mgs.cli.common import ProgressBar, json_option, print_json, with_progress
 from mgs.experiments import Claim
+from mgs.experiments.sensitivity import Sensitivity, measure
 
 
 @click.command()
@@ -18,13 +19,21 @@ from mgs.experiments import Claim
     help="Folder for the figures. Default: outputs/experiments/NAME.",
 )  # fmt: skip
 @click.option("--no-figures", is_flag=True, help="Print the claims without drawing figures.")
+@click.option(
+    "--sensitivity", is_flag=True,
+    help="Repeat the experiment with one setting changed at a time (sampling period, joint stops, "
+    "masses, gains, amplitude and others), and print which claims change. Draws no figures.",
+)  # fmt: skip
 @json_option
-def experiment(name: str, output: Path | None, no_figures: bool, as_json: bool) -> None:
+def experiment(
+    name: str, output: Path | None, no_figures: bool, sensitivity: bool, as_json: bool
+) -> None:
     """Repeat the experiments of a paper and test its claims.
 
-    Prints each claim with the measured value and whether the claim holds, and writes figures. The
-    figures of an earlier run are replaced. A claim that does not hold is a result, not an error:
-    the exit code is 0.
+    Prints what the paper says, the measured value of each method that the sentence names, and
+    whether the claim holds, and writes figures. Statements that no paper makes are marked "ours".
+    The figures of an earlier run are replaced. A claim that does not hold is a result, not an
+    error: the exit code is 0.
 
     melson: scenarios S1 to S3 and the drift study of the article "Inverse kinematics of a humanoid
     robot modelled as a tree-shaped manipulator".
@@ -46,6 +55,11 @@ def experiment(name: str, output: Path | None, no_figures: bool, as_json: bool) 
     Example:
       mgs experiment melson -o figures
     """  # noqa: D301
+    if sensitivity:
+        if output is not None:
+            raise click.UsageError("--sensitivity draws no figures; remove --output")
+        _print_sensitivity(name, as_json)
+        return
     folder = None if no_figures else output or Path("outputs/experiments") / name
 
     def work(bar: ProgressBar) -> list[Claim]:
@@ -54,11 +68,32 @@ def experiment(name: str, output: Path | None, no_figures: bool, as_json: bool) 
     claims = with_progress(name, work)
     if as_json:
         print_json({"experiment": name, "claims": [claim.to_dict() for claim in claims]})
-    else:
-        for claim in claims:
-            holds = {True: "holds", False: "FAILS"}.get(claim.holds, "n/a  ")
-            click.echo(f"{holds} {claim.id:14s} {claim.claim}: {claim.figure}")
-            if claim.note:
-                click.echo(f"      {claim.note}")
-        if folder is not None:
-            click.echo(f"figures in {folder}")
+        return
+    _print_claims(claims)
+    if folder is not None:
+        click.echo(f"figures in {folder}")
+
+
+def _print_sensitivity(name: str, as_json: bool) -> None:
+    def work(bar: ProgressBar) -> Sensitivity:
+        return measure(name, bar)
+
+    found = with_progress(f"{name} and its variants", work)
+    if as_json:
+        print_json({"experiment": name, **found.to_dict()})
+        return
+    _print_claims(found.claims)
+    click.echo(f"variants: {', '.join(found.variants) or 'none'}")
+    for variant, reason in found.refused.items():
+        click.echo(f"not run: {variant}: {reason}")
+
+
+def _print_claims(claims: list[Claim]) -> None:
+    for claim in claims:
+        holds = {True: "holds", False: "FAILS", "not applicable": "n/a  "}[claim.holds]
+        source = "ours" if claim.kind == "ours" else claim.source
+        head = f"{holds} {claim.id:14s} "
+        click.echo(f"{head}{f'[{source}] ' if source else ''}{claim.claim}: {claim.figure}")
+        for line in (claim.robustness, claim.note):
+            if line:
+                click.echo(f"      {line}")

@@ -8,13 +8,19 @@ from __future__ import annotations
 
 import importlib
 from pathlib import Path
+from typing import Any
 
 from mgs.core.progress import Progress
 from mgs.experiments.claim import Claim
 
-__all__ = ["NAMES", "Claim", "run"]
+__all__ = ["NAMES", "Claim", "package_of", "run"]
 
 NAMES = ("melson", "faraji", "mistry", "preview")
+
+
+def package_of(name: str) -> Any:
+    """Package of an experiment, with `solve`, `all_claims` and `VARIANTS`."""
+    return importlib.import_module(f"mgs.experiments.{name}")
 
 
 def run(
@@ -31,7 +37,7 @@ def run(
     Raises:
         OutputExistsError: a figure exists already and `force` is False.
     """
-    package = importlib.import_module(f"mgs.experiments.{name}")
+    package = package_of(name)
     if folder is None:
         return list(package.all_claims(package.solve(progress)))
     from mgs.report.canvas import (

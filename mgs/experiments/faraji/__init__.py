@@ -14,5 +14,6 @@ are our choice. Claims that depend on the iteration limit of the solver SNOPT ar
 
 from mgs.experiments.faraji.claims import all_claims
 from mgs.experiments.faraji.runs import solve
+from mgs.experiments.faraji.variants import VARIANTS
 
-__all__ = ["all_claims", "solve"]
+__all__ = ["VARIANTS", "all_claims", "solve"]

@@ -10,6 +10,7 @@ import numpy as np
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.core.progress import Progress
+from mgs.experiments.variant import BASE, Variant
 from mgs.gait import BalanceGait, load_gait
 from mgs.ik_solver.floating.safety_region import SafetyRegion
 from mgs.ik_solver.hard_soft import FarajiReport
@@ -157,29 +158,30 @@ def all_keys() -> list[Key]:
     return keys
 
 
-def solve(progress: Progress | None = None) -> Study:
+def solve(progress: Progress | None = None, variant: Variant | None = None) -> Study:
     """Generate all runs."""
-    robot = load_robot(ROBOT)
+    variant = variant or BASE
+    robot = variant.robot(load_robot(ROBOT))
     runs: dict[Key, Run] = {}
     keys = all_keys()
     for i, key in enumerate(keys):
-        runs[key] = run_one(robot, key)
+        runs[key] = run_one(robot, key, variant.settings)
         if progress is not None:
             progress(i + 1, len(keys))
     return Study(robot, runs)
 
 
-def run_one(robot: Robot, key: Key) -> Run:
+def run_one(robot: Robot, key: Key, settings: tuple[str, ...] = ()) -> Run:
     """Generate one run; missed tasks are recorded instead of refused."""
-    gait = gait_of(key)
+    gait = gait_of(key, settings)
     stages = run_stages(robot, gait, f"{ROBOT}/{key.gait}")
     ends = gait.balance.rest + gait.balance.ease
     first, last = round(ends / gait.dt), round((gait.balance.duration - ends) / gait.dt)
     return Run(stages, slice(first, last + 1))
 
 
-def gait_of(key: Key) -> BalanceGait:
-    """Gait of the run with a key."""
+def gait_of(key: Key, more: tuple[str, ...] = ()) -> BalanceGait:
+    """Gait of the run with a key, with more settings."""
     settings = [
         *PAPER.get(key.gait, ()),
         f"ik.solver={key.method}",
@@ -191,7 +193,7 @@ def gait_of(key: Key) -> BalanceGait:
         settings += SIMULATED
     elif key.variant not in VARIANTS:
         settings.append(f"balance.com_height={Z_MAX + float(key.variant)}")
-    gait = load_gait(f"{ROBOT}/{key.gait}", tuple(settings))
+    gait = load_gait(f"{ROBOT}/{key.gait}", (*settings, *more))
     assert isinstance(gait, BalanceGait)
     if key.variant == "slow":
         return _rescaled(gait, 1.0 / SLOWER)

@@ -14,5 +14,8 @@ There are no Newton updates: the closed-loop inverse kinematics alone has to mee
 
 from mgs.experiments.melson.claims import all_claims
 from mgs.experiments.melson.runs import solve
+from mgs.experiments.variant import Variant
 
-__all__ = ["all_claims", "solve"]
+__all__ = ["VARIANTS", "all_claims", "solve"]
+
+VARIANTS: tuple[Variant, ...] = ()

@@ -9,5 +9,6 @@ as future work; here a walk of Melson shows it.
 
 from mgs.experiments.mistry.claims import all_claims
 from mgs.experiments.mistry.runs import solve
+from mgs.experiments.mistry.variants import VARIANTS
 
-__all__ = ["all_claims", "solve"]
+__all__ = ["VARIANTS", "all_claims", "solve"]

@@ -13,6 +13,7 @@ from mgs.core.contact import Side, Support
 from mgs.core.geometry import rotation_angles
 from mgs.core.progress import Progress
 from mgs.core.spans import span_starts
+from mgs.experiments.variant import BASE, Variant
 from mgs.gait import load_gait
 from mgs.ik_solver.floating.constraints import base_velocity
 from mgs.ik_solver.floating.parts import SOLES
@@ -70,9 +71,10 @@ def all_keys() -> list[Key]:
     return keys
 
 
-def solve(progress: Progress | None = None) -> Study:
+def solve(progress: Progress | None = None, variant: Variant | None = None) -> Study:
     """Generate all runs; missed tasks are recorded instead of refused."""
-    robots = {name: load_robot(name) for name in ("coman", "melson")}
+    variant = variant or BASE
+    robots = {name: variant.robot(load_robot(name)) for name in ("coman", "melson")}
     runs: dict[Key, Stages] = {}
     keys = all_keys()
     for i, key in enumerate(keys):
@@ -81,6 +83,7 @@ def solve(progress: Progress | None = None) -> Study:
             f"ik.prioritized.null_space={key.null_space}",
             "ik.on_limit=record",
             *VARIANTS[key.variant],
+            *variant.settings,
         )
         robot = robots[key.gait.split("/")[0]]
         runs[key] = run_stages(robot, load_gait(key.gait, settings), key.gait)

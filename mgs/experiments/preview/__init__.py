@@ -8,5 +8,8 @@ the jerk on fast steps.
 """
 
 from mgs.experiments.preview.study import all_claims, solve
+from mgs.experiments.variant import Variant
 
-__all__ = ["all_claims", "solve"]
+__all__ = ["VARIANTS", "all_claims", "solve"]
+
+VARIANTS: tuple[Variant, ...] = ()
