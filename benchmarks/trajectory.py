@@ -1,13 +1,13 @@
 """Comparison of the solver `trajectory` with closed-loop inverse kinematics on three motions.
 
-    S3              melson/walk_5cm, which has the gains of scenario S3 of the article on Melson
+    two steps       melson/walk_5cm
     30 steps        melson/walk_30_steps
     squat           squat after task B of Faraji and Ijspeert, at a height without stretched knees;
                     29 joints of COMAN (its legs alone have no null space), 0.51 m +- 30 mm at 1 Hz
 
 H is the integral of 0.35 H_joint + 1.6 H_grav [s] over the whole motion, with the weight shared
 between the soles as planned, for every solver. The closed-loop solver descends the same two costs
-with the gains of the article and with multiples of them; multiples that violate joint limits are
+with the gains of scenario 3 of the article on Melson and with multiples of them; multiples that violate joint limits are
 left out. `trajectory` starts in a free posture, or in the posture of the closed-loop solver.
 Torques are computed by inverse dynamics. The time is the processor time of stage 4, the minimum of
 several runs.
@@ -76,7 +76,7 @@ limit margin [deg] | task error [mm] | time [ms/sample] |
 def motions() -> dict[str, tuple[str, str]]:
     """Robot and gait of each motion; the gait of the squat is given as text."""
     return {
-        "S3": ("melson", "melson/walk_5cm"),
+        "two steps": ("melson", "melson/walk_5cm"),
         "30 steps": ("melson", "melson/walk_30_steps"),
         "squat": ("coman", SQUAT),
     }

@@ -69,13 +69,30 @@ def test_gait_names_do_not_lead_out_of_the_shipped_folder():
         find_gait("../robots/melson/robot")
 
 
-def test_walk_5cm_is_scenario_s3_of_the_paper():
-    gait = load_gait("melson/walk_5cm")
-    walk, ik = gait.walk, gait.ik
-    assert (walk.n_steps, walk.step_length, walk.first_support) == (2, 0.05, "left")
-    assert (gait.dt, ik.gamma_joint, ik.gamma_grav, ik.gamma_grav_ramp) == (0.01, 0.35, 1.6, 0.2)
+@pytest.mark.parametrize(
+    ("name", "gains"), [("s1", (0.0, 0.0)), ("s2", (1.0, 0.0)), ("s3", (0.35, 1.6))]
+)
+def test_the_scenarios_of_the_article_on_melson_have_its_settings(name: str, gains: tuple):
+    """Section 5: two steps of 5 cm in 12 s at 0.01 s, gains gamma of three scenarios.
+
+    Section 3 has one linear step per sample, Section 4.2 neither a task for the torso nor a
+    minimization of torques in double support, Section 2 preview control without a second stage.
+    """
+    gait = load_gait(f"melson/{name}")
+    walk, ik, com = gait.walk, gait.ik, gait.com
+    assert (gait.dt, walk.n_steps, walk.step_length) == (0.01, 2, 0.05)
+    assert (ik.solver, ik.gamma_joint, ik.gamma_grav) == ("clik", *gains)
+    assert (ik.iterations, ik.torso, ik.double_support) == (0, "free", "off")
+    assert (com.generator, com.passes, walk.zmp_offset) == ("preview", 0, [0.0, 0.0])
     steps = walk.n_steps * (walk.double_support + walk.single_support) + walk.double_support
     assert walk.lead_in + steps + walk.lead_out == pytest.approx(12.0)
+
+
+def test_the_scenarios_of_the_article_differ_in_their_gains_only():
+    first = load_gait("melson/s1")
+    for name, gains in {"s2": (1.0, 0.0), "s3": (0.35, 1.6)}.items():
+        changed = (f"ik.gamma_joint={gains[0]}", f"ik.gamma_grav={gains[1]}")
+        assert load_gait(first, changed) == load_gait(f"melson/{name}")
 
 
 def test_walk_practical_takes_4_cm_in_at_most_0_8_s():

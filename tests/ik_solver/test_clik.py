@@ -317,7 +317,6 @@ def test_the_joint_gradient_moves_joints_towards_the_middle_of_their_ranges(mels
 
 
 def test_the_gravity_gradient_lowers_the_torques_in_single_support(melson: Robot):
-    """Comparison of scenarios S3 and S1 of the paper."""
     costs = []
     for gamma in (0.0, 1.6):
         gait = load_gait("melson/walk_5cm", ("ik.gamma_joint=0", f"ik.gamma_grav={gamma}"))

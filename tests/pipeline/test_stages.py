@@ -236,6 +236,9 @@ def test_by_default_no_shipped_walk_is_off_plan_by_more_than_the_tolerance(shipp
     assert asdict(report.after) == pytest.approx(
         {"mean": error.mean(), "max": error.max()}, rel=1e-9
     )
+    if shipped_walk.gait.com.passes == 0:  # scenarios of an article that has no dynamic filter
+        assert report.passes == 0 and report.before == report.after
+        return
     tolerance = shipped_walk.gait.com.zmp_tolerance
     assert error.mean() < 1.1 * tolerance
     if tolerance == ComParameters().zmp_tolerance:  # the fastest ask for less and say why

@@ -286,8 +286,11 @@ def torques_of(robot: Robot, sharing: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("sharing", SHARINGS)
-def test_the_walk_of_the_paper_needs_less_torque_than_with_its_own_scheme(melson: Robot, sharing):
-    """Scenario S3: peak and RMS torque of all joints over the motion, by inverse dynamics."""
+def test_a_walk_needs_less_torque_than_with_the_scheme_of_the_article(melson: Robot, sharing):
+    """Peak and RMS torque of all joints over the motion, by inverse dynamics.
+
+    The scheme of the article switches the minimization of torques off in double support.
+    """
     paper, ours = torques_of(melson, "off"), torques_of(melson, sharing)
     assert np.abs(ours).max() < 0.99 * np.abs(paper).max()
     assert np.mean(ours**2) < 0.96 * np.mean(paper**2)
