@@ -25,6 +25,7 @@ class Variant:
             remains.
         amplitude: factor on the amplitude of the motion, or on the length of its steps.
         speed: factor on the speed of the motion.
+        gains: factor on the gains of null-space motions.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Variant:
     stops: float = 1.0
     amplitude: float = 1.0
     speed: float = 1.0
+    gains: float = 1.0
 
     def robot(self, robot: Robot) -> Robot:
         """Robot with the masses and joint stops of this variant."""

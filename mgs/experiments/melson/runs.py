@@ -2,88 +2,115 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mgs.core.arrays import Array
 from mgs.core.contact import Side, Support
-from mgs.core.geometry import rotation_angles
+from mgs.core.geometry import polygon_margins
 from mgs.core.progress import Progress
-from mgs.experiments.melson.gravity import gravity_torques
-from mgs.gait import load_gait
+from mgs.core.spans import spans
+from mgs.experiments.melson.gravity import gravity_cost, gravity_torques
+from mgs.experiments.variant import BASE, Variant
+from mgs.gait import WalkGait, load_gait
 from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, load_robot
+from mgs.robot.support_polygon import support_polygon
 
-WALK, LONG_WALK = "melson/walk_5cm", "melson/walk_30_steps"
-SCENARIOS = {"S1": (0.0, 0.0), "S2": (1.0, 0.0), "S3": (0.35, 1.6)}  # gamma_joint, gamma_grav
-DRIFT_RUNS = {"gamma_joint 0": (0.0, 0.0), "gamma_joint 1": (1.0, 0.0)}
-DRIFT_JOINT = "right_hip_roll"
+GAITS = {"S1": "melson/s1", "S2": "melson/s2", "S3": "melson/s3"}
+SHORT, LONGER, LONG = 2, 8, 30  # numbers of steps; the article has 2 and 30
+LONG_RUNS = ("S1", "S2")  # of the walk of 30 steps, as in the article
+
+
+@dataclass(frozen=True, eq=False)
+class Walk:
+    """One run with the measurements that several claims need."""
+
+    robot: Robot
+    stages: Stages
+
+    @cached_property
+    def gravity(self) -> Array:
+        """Gravity torques (N, n) [N m] in single support, as `gravity_torques` gives them."""
+        return gravity_torques(self.robot, self.stages)
+
+    @cached_property
+    def angles(self) -> Array:
+        """Joint angles (N, n) [deg]."""
+        return np.asarray(np.degrees(self.stages.joints.angles))
+
+    @property
+    def supports(self) -> list[tuple[Side, slice]]:
+        """Support side and samples of each single support phase, in the order of time."""
+        support = self.stages.tasks.support
+        return [
+            (side, slice(start, end))
+            for start, end in spans(support)
+            for side in Side
+            if support[start] == Support.single(side)
+        ]
+
+    def column(self, side: Side, joint: str) -> int:
+        """Column of a joint such as "hip_roll" of one leg."""
+        return self.robot.joint_names.index(f"{side.label}_{joint}")
+
+    def support_torque(self, side: Side, joint: str) -> Array:
+        """Gravity torque (m,) [N m] of a support-leg joint in all single supports on one side."""
+        window = self.stages.tasks.support == Support.single(side)
+        return np.asarray(self.gravity[window, self.column(side, joint)])
+
+
+Walks = dict[str, Walk]  # by scenario
 
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """All runs, and the gravity torques (N, n) [N m] of the scenarios."""
+    """All runs by scenario: two steps, eight steps, and thirty steps of S1 and S2."""
 
     robot: Robot
-    scenarios: dict[str, Stages]
-    torques: dict[str, Array]
-    drift: dict[str, Stages]
+    short: Walks
+    longer: Walks
+    long: Walks
+
+    @property
+    def all_walks(self) -> list[Walk]:
+        """All runs of the study."""
+        return [*self.short.values(), *self.longer.values(), *self.long.values()]
 
 
-def solve(progress: Progress | None = None) -> Study:
-    """Generate all runs."""
-    robot = load_robot("melson")
-    jobs = [(WALK, name, gains) for name, gains in SCENARIOS.items()]
-    jobs += [(LONG_WALK, name, gains) for name, gains in DRIFT_RUNS.items()]
-    done: dict[str, Stages] = {}
-    for i, (gait, name, (gamma_joint, gamma_grav)) in enumerate(jobs):
-        settings = (
-            f"ik.gamma_joint={gamma_joint}",
-            f"ik.gamma_grav={gamma_grav}",
-            "ik.iterations=0",
-            "com.passes=0",  # the dynamic filter would change the CoM task of each run
-            "ik.double_support=off",  # this setting and the next one are those of the article
-            "walk.zmp_offset=[0, 0]",
-        )
-        done[name] = run_stages(robot, load_gait(gait, settings), gait)
+def solve(progress: Progress | None = None, variant: Variant | None = None) -> Study:
+    """Generate all runs, with one setting changed if a variant is given."""
+    variant = variant or BASE
+    robot = variant.robot(load_robot("melson"))
+    jobs = [(n_steps, name) for n_steps in (SHORT, LONGER) for name in GAITS]
+    jobs += [(LONG, name) for name in LONG_RUNS]
+    done: dict[tuple[int, str], Walk] = {}
+    for i, (n_steps, name) in enumerate(jobs):
+        gait = load_gait(GAITS[name], settings_of(GAITS[name], n_steps, variant))
+        done[n_steps, name] = Walk(robot, run_stages(robot, gait, GAITS[name]))
         if progress is not None:
             progress(i + 1, len(jobs))
-    scenarios = {name: done[name] for name in SCENARIOS}
-    torques = {name: gravity_torques(robot, stages) for name, stages in scenarios.items()}
-    return Study(robot, scenarios, torques, {name: done[name] for name in DRIFT_RUNS})
+    short, longer = ({name: done[n, name] for name in GAITS} for n in (SHORT, LONGER))
+    return Study(robot, short, longer, {name: done[LONG, name] for name in LONG_RUNS})
 
 
-def is_same_task(a: Stages, b: Stages) -> bool:
-    """True if two runs have the same task trajectory, bit by bit."""
-    products = ((a.tasks, b.tasks), (a.com, b.com))
-    return all(
-        np.array_equal(getattr(x, field.name), getattr(y, field.name))
-        for x, y in products
-        for field in dataclasses.fields(x)
-    )
-
-
-def tracking_errors(stages: Stages) -> tuple[float, float]:
-    """Largest position error of soles, hands and CoM [m], largest rotation error of soles [rad].
-
-    The errors are computed with the floating-base model, which the solver does not use.
-    """
-    motion = stages.motion
-    gaps = [
-        motion.soles[..., :3] - motion.soles_ref[..., :3],
-        motion.hands[..., :3] - motion.hands_ref,
-        motion.com - motion.com_ref,
-    ]
-    turns = rotation_angles(motion.soles[..., 3:], motion.soles_ref[..., 3:])
-    return max(float(np.linalg.norm(gap, axis=-1).max()) for gap in gaps), float(turns.max())
-
-
-def single_support(study: Study, side: Side) -> NDArray[np.bool_]:
-    """Mask (N,) of the samples of the scenarios in single support on one side."""
-    return study.scenarios["S1"].tasks.support == Support.single(side)
+def settings_of(name: str, n_steps: int, variant: Variant) -> tuple[str, ...]:
+    """Settings that turn a shipped scenario into a run: number of steps, then the variant."""
+    gait = load_gait(name)
+    assert isinstance(gait, WalkGait)
+    walk, ik = gait.walk, gait.ik
+    settings = [f"walk.n_steps={n_steps}"]
+    if variant.amplitude != 1.0:
+        settings.append(f"walk.step_length={variant.amplitude * walk.step_length}")
+    if variant.speed != 1.0:
+        settings.append(f"walk.double_support={walk.double_support / variant.speed}")
+        settings.append(f"walk.single_support={walk.single_support / variant.speed}")
+    if variant.gains != 1.0:
+        settings.append(f"ik.gamma_joint={variant.gains * ik.gamma_joint}")
+        settings.append(f"ik.gamma_grav={variant.gains * ik.gamma_grav}")
+    return (*settings, *variant.settings)
 
 
 def peak(values: Array) -> float:
@@ -96,30 +123,58 @@ def rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def torque_of(study: Study, side: Side, joint: str) -> dict[str, Array]:
-    """Gravity torque (m,) [N m] of a support-leg joint in single support, by scenario."""
-    i = study.robot.joint_names.index(f"{side.label}_{joint}")
-    window = single_support(study, side)
-    return {name: torques[window, i] for name, torques in study.torques.items()}
+def limit_distance(walk: Walk) -> tuple[float, str]:
+    """Least distance of a joint from its limits [deg], and the name of the joint."""
+    angles, robot = walk.stages.joints.angles, walk.robot
+    distance = np.minimum(angles - robot.lower, robot.upper - angles).min(axis=0)
+    worst = int(distance.argmin())
+    return float(np.degrees(distance[worst])), robot.joint_names[worst]
 
 
-def angle_of(study: Study, joint: str) -> dict[str, Array]:
-    """Angle (N,) [deg] of a joint of the left leg over the whole motion, by scenario."""
-    i = study.robot.joint_names.index(f"left_{joint}")
-    return {name: np.degrees(s.joints.angles[:, i]) for name, s in study.scenarios.items()}
+def joint_cost(walk: Walk) -> float:
+    """Mean over the motion of H_joint, eq. (12) of the article."""
+    robot = walk.robot
+    middle, width = 0.5 * (robot.upper + robot.lower), robot.upper - robot.lower
+    return float(np.mean(0.5 * np.sum(((walk.stages.joints.angles - middle) / width) ** 2, axis=1)))
 
 
-def stride_poses(stages: Stages) -> Array:
+def support_costs(walk: Walk) -> list[float]:
+    """Mean of H_grav [(N m)^2] in each single support phase."""
+    cost = gravity_cost(walk.gravity)
+    return [float(cost[samples].mean()) for _, samples in walk.supports]
+
+
+def zmp_margin(walk: Walk) -> float:
+    """Least distance of the ZMP of the whole robot from the edge of the support polygon [m]."""
+    motion = walk.stages.motion
+    margins = [
+        polygon_margins(
+            motion.zmp[start:end],
+            support_polygon(motion.robot, motion.soles[start], Support(motion.support[start])),
+        ).min()
+        for start, end in spans(motion.support)
+    ]
+    return float(min(margins))
+
+
+def tracking_errors(walk: Walk) -> Array:
+    """Largest position error (N,) of soles, hands and CoM [m] in each sample.
+
+    The errors are computed with the floating-base model, which the solver does not use.
+    """
+    motion = walk.stages.motion
+    gaps = [
+        np.linalg.norm(motion.soles[..., :3] - motion.soles_ref[..., :3], axis=-1).max(axis=1),
+        np.linalg.norm(motion.hands[..., :3] - motion.hands_ref, axis=-1).max(axis=1),
+        np.linalg.norm(motion.com - motion.com_ref, axis=-1),
+    ]
+    return np.asarray(np.max(gaps, axis=0))
+
+
+def stride_poses(walk: Walk) -> Array:
     """Joint angles (n_steps / 2, n) [deg] at the starts of left single supports.
 
     There is one sample every two steps, at equal phases of the walk.
     """
-    left = stages.tasks.support == Support.LEFT
-    starts = np.flatnonzero(left[1:] & ~left[:-1]) + 1
-    return np.asarray(np.degrees(stages.joints.angles[starts]))
-
-
-def drift_series(study: Study) -> dict[str, Array]:
-    """Angle (n_steps / 2,) [deg] of the drifting joint once every two steps, by gain."""
-    i = study.robot.joint_names.index(DRIFT_JOINT)
-    return {name: stride_poses(stages)[:, i] for name, stages in study.drift.items()}
+    starts = [samples.start for side, samples in walk.supports if side == Side.LEFT]
+    return np.asarray(walk.angles[starts])
