@@ -16,16 +16,19 @@ from mgs.cli.common import force_option, json_option, motion_argument, print_jso
 def info(file: Path, as_json: bool) -> None:
     """Print the contents and the origin of a motion file.
 
-    Prints robot, gait, solver with its parameters, duration, topics and attachments of FILE.mcap.
-    Writes no file.
+    Prints robot, gait, solver with its parameters, duration, topics and attachments of FILE.mcap,
+    and the physics engines that are installed or missing here. Writes no file.
 
     \b
     Example:
       mgs info walk.mcap
     """  # noqa: D301
+    from mgs.core.engines import engine_versions, missing_engines
     from mgs.motion_file import read_info
 
     content = read_info(file)
+    missing = [engine.to_dict() for engine in missing_engines()]
+    content |= {"engines": engine_versions(), "engines_missing": missing}
     if as_json:
         print_json(content)
         return
@@ -35,7 +38,7 @@ def info(file: Path, as_json: bool) -> None:
             for name, entry in value.items():
                 click.echo(f"  {name}: {entry}")
         elif isinstance(value, list):
-            click.echo(f"{key}:")
+            click.echo(f"{key}:" if value else f"{key}: none")
             for entry in value:
                 click.echo("  " + ", ".join(str(part) for part in entry.values()))
         else:

@@ -196,7 +196,7 @@ def replay(
       mgs replay walk.mcap --servo pd --sag 2
       mgs replay walk.mcap --servo model --no-feed-forward
     """  # noqa: D301
-    from mgs.sim import engine_settings
+    from mgs.sim import engine_settings, missing_engines
     from mgs.sim import replay as run
 
     check_servos((servo,), feed_forward, sag_deg, damping_time)
@@ -207,9 +207,11 @@ def replay(
         name, lambda bar: run(file, name, settings, bar, servo=servo, feed_forward=feed_forward)
     )
     if as_json:
-        print_json(result.to_json())
+        missing = [engine.to_dict() for engine in missing_engines()]
+        print_json({**result.to_json(), "engines_missing": missing})
     else:
-        for text in (verdict_text.sentence(result), *verdict_text.sources([result])):
+        told = (verdict_text.sentence(result), *verdict_text.sources([result]), *missing_engines())
+        for text in told:
             click.echo(text)
     ctx.exit(1 if result.fell else 0)
 
@@ -261,5 +263,7 @@ def _print_verdict(verdict: Verdict) -> None:
             click.echo(text)
     if not verdict.replays:
         click.echo("no replay in physics: falling was not checked")
+    for missing in verdict.engines_missing:
+        click.echo(missing)
     failed = verdict.failed
     click.echo(f"FAIL: {', '.join(failed)}" if failed else "PASS")

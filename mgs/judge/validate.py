@@ -18,7 +18,14 @@ from mgs.judge.verdict import Verdict, judge
 from mgs.motion import Motion
 from mgs.motion_file import read_motion
 from mgs.robot import servos_of
-from mgs.sim import check_servos, choose_engines, choose_servos, engine_settings, replay
+from mgs.sim import (
+    check_servos,
+    choose_engines,
+    choose_servos,
+    engine_settings,
+    missing_engines,
+    replay,
+)
 from mgs.sim.conditions import RANGES, draw
 
 
@@ -94,6 +101,7 @@ def validate(
         found.append(drawn(motion, name, settings=settings[name], progress=tell))
     checks += [survival_check(result) for result in found]
     verdict = judge(file or motion.gait_name, checks, replays, summary(found))
+    verdict = dataclasses.replace(verdict, engines_missing=missing_engines())
     if not servo_sweep:
         return verdict
     sweeps = []

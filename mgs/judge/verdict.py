@@ -17,7 +17,7 @@ import numpy as np
 from mgs.judge.html import verdict_table
 from mgs.judge.motion_checks import Check
 from mgs.judge.servo_cases import ServoSweep
-from mgs.sim import Agreement, EngineName, Replay, ServoName, Strike, agreement
+from mgs.sim import Agreement, EngineName, MissingEngine, Replay, ServoName, Strike, agreement
 from mgs.sim.figures import STANDING_LOAD, STANDING_TILT_DEG
 from mgs.sim.poses import FALL_TILT
 
@@ -38,6 +38,7 @@ class Verdict:
     replays: tuple[Replay, ...]
     monte_carlo: dict[str, object] | None = None  # as `mgs.judge.monte_carlo.summary` gives it
     servo_sweep: tuple[ServoSweep, ...] | None = None  # by engine; no check depends on it
+    engines_missing: tuple[MissingEngine, ...] = ()  # engines that are not installed
 
     @property
     def passed(self) -> bool:
@@ -75,6 +76,8 @@ class Verdict:
     @property
     def _in_words(self) -> str:
         engines = ", ".join(self.engines) or "no physics"
+        if self.engines_missing:
+            engines += f" ({', '.join(m.engine for m in self.engines_missing)} missing)"
         n, failed = len(self.checks), self.failed
         told = f"fail: {', '.join(failed)}; {len(failed)} of" if failed else "pass,"
         return f"{told} {n} checks, {engines}"
@@ -88,6 +91,7 @@ class Verdict:
             "checks": [check.to_dict() for check in self.checks],
             "servo": self.servo,
             "physics": list(self.engines),  # empty: static checks alone
+            "engines_missing": [engine.to_dict() for engine in self.engines_missing],
             "replays": [replay.to_json() for replay in self.replays],
             "agreement": None if agreed is None else agreed.to_dict(),
             "monte_carlo": self.monte_carlo,

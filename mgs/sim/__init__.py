@@ -1,9 +1,9 @@
 """Open-loop replay of motions in physics engines."""
 
+from mgs.core.engines import MissingEngine, available_engines, missing_engines
 from mgs.core.progress import Progress
 from mgs.sim.agreement import Agreement, agreement
 from mgs.sim.choice import check_servos, choose_engines, choose_servos, engine_settings
-from mgs.sim.engine import available_engines
 from mgs.sim.figures import Trace
 from mgs.sim.replay import Replay, replay
 from mgs.sim.settings import DEFAULTS, ENGINES, SERVOS, EngineName, ServoName, Settings
@@ -15,6 +15,7 @@ __all__ = [
     "SERVOS",
     "Agreement",
     "EngineName",
+    "MissingEngine",
     "Progress",
     "Replay",
     "ServoName",
@@ -27,5 +28,6 @@ __all__ = [
     "choose_engines",
     "choose_servos",
     "engine_settings",
+    "missing_engines",
     "replay",
 ]

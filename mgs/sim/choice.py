@@ -7,9 +7,9 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from mgs.core.engines import available_engines
 from mgs.core.errors import ConfigError, SimulationError
 from mgs.core.wrong_type import wrong_type
-from mgs.sim.engine import available_engines
 from mgs.sim.settings import DEFAULTS, ENGINES, SERVOS, EngineName, ServoName, Settings
 
 

@@ -5,10 +5,10 @@ Heavy packages are imported by `make_engine` only, so that mgs works with either
 
 from __future__ import annotations
 
-import importlib.util
 from typing import Protocol
 
 from mgs.core.arrays import Array
+from mgs.core.engines import available_engines, missing_engines
 from mgs.core.errors import SimulationError
 from mgs.core.scene import EMPTY, Scene
 from mgs.robot import Robot
@@ -81,11 +81,6 @@ class Engine(Protocol):
         """Free the engine; idempotent."""
 
 
-def available_engines() -> tuple[EngineName, ...]:
-    """Engines whose package is installed; imports none of them."""
-    return tuple(name for name in ENGINES if importlib.util.find_spec(name) is not None)
-
-
 def make_engine(
     name: EngineName,
     robot: Robot,
@@ -115,10 +110,12 @@ def require(name: EngineName) -> None:
     """Raise SimulationError unless the engine is known and installed."""
     if name not in ENGINES:
         raise SimulationError(f"no physics engine {name!r}; there are: {', '.join(ENGINES)}")
-    if name not in available_engines():
-        raise SimulationError(
-            f"{name} is not installed; installed: {', '.join(available_engines()) or 'none'}"
-        )
+    for engine in missing_engines():
+        if engine.engine == name:
+            raise SimulationError(
+                f"{name} is not installed: {engine.cause}; {engine.remedy}; installed: "
+                f"{', '.join(available_engines()) or 'none'}"
+            )
 
 
 def _load(

@@ -6,8 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-EngineName = Literal["pybullet", "mujoco"]
-ENGINES: tuple[EngineName, ...] = ("pybullet", "mujoco")
+from mgs.core.engines import ENGINES, EngineName
+
+__all__ = ["DEFAULTS", "ENGINES", "SERVOS", "EngineName", "ServoName", "Settings"]
+
 ServoName = Literal["ideal", "model", "pd"]
 SERVOS: tuple[ServoName, ...] = ("ideal", "model", "pd")
 # Servos that an engine simulates by itself; all others are evaluated outside, once a step.

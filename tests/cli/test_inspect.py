@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import subprocess
 import sys
@@ -14,7 +15,25 @@ from tests.support.commands import files_below, run
 def test_info_prints_the_metadata_of_the_file(walk_file: Path):
     result = run("info", walk_file, "--json")
     assert (result.exit_code, result.stderr) == (0, "")
-    assert json.loads(result.stdout) == read_info(walk_file)
+    told = json.loads(result.stdout)
+    assert {*told.pop("engines"), *(e["engine"] for e in told.pop("engines_missing"))} == {
+        "pybullet",
+        "mujoco",
+    }
+    assert told == read_info(walk_file)
+
+
+def test_info_names_the_engines_and_what_to_do_about_a_missing_one(walk_file: Path, monkeypatch):
+    found = importlib.util.find_spec
+
+    def without_pybullet(name: str, package: str | None = None):
+        return None if name == "pybullet" else found(name, package)
+
+    monkeypatch.setattr(importlib.util, "find_spec", without_pybullet)
+    told = json.loads(run("info", walk_file, "--json").stdout)
+    assert [engine["engine"] for engine in told["engines_missing"]] == ["pybullet"]
+    text = run("info", walk_file).stdout
+    assert "engines_missing:\n  pybullet, " in text and "pip install pybullet" in text
 
 
 def test_info_in_words_names_topics_and_attachments(walk_file: Path):

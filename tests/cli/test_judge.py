@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import importlib.util
 import json
 import math
 from pathlib import Path
@@ -119,6 +120,26 @@ def test_unknown_physics_is_a_usage_error(walk_file: Path, physics: str):
     assert (result.exit_code, result.stdout) == (2, "")
     assert "--physics" in result.stderr
     assert "use pybullet, mujoco (separated by commas) or none" in result.stderr
+
+
+@pytest.mark.parametrize("command", [("validate", "--physics", "none"), ("replay",)])
+@needs_mujoco
+def test_a_missing_engine_is_named_with_cause_and_remedy(
+    walk_file: Path, monkeypatch, command: tuple[str, ...]
+):
+    found = importlib.util.find_spec
+
+    def without_pybullet(name: str, package: str | None = None):
+        return None if name == "pybullet" else found(name, package)
+
+    monkeypatch.setattr(importlib.util, "find_spec", without_pybullet)
+    name, *options = command
+    result = run(name, walk_file, *options)
+    assert result.exit_code == 0
+    assert "pybullet is MISSING: " in result.stdout and "pip install pybullet" in result.stdout
+    told = json.loads(run(name, walk_file, *options, "--json").stdout)
+    (missing,) = told["engines_missing"]
+    assert missing["engine"] == "pybullet" and missing["cause"] and missing["remedy"]
 
 
 def test_without_any_engine_validate_reports_that_none_is_installed(walk_file: Path, monkeypatch):

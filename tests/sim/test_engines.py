@@ -9,8 +9,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from mgs.core import engines
 from mgs.core.errors import SimulationError
-from mgs.sim import DEFAULTS, available_engines, engine
+from mgs.sim import DEFAULTS, available_engines
 from mgs.sim.audit import audit, random_q
 from mgs.sim.engine import make_engine
 
@@ -127,7 +128,7 @@ def test_a_torque_is_never_above_the_stall_torque(engine_name, melson):
 
 
 def test_a_missing_engine_is_named(monkeypatch, melson):
-    monkeypatch.setattr(engine.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(engines.importlib.util, "find_spec", lambda name: None)
     assert available_engines() == ()
     with pytest.raises(SimulationError, match="mujoco is not installed"):
         make_engine("mujoco", melson, DEFAULTS["mujoco"])
