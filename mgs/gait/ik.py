@@ -201,6 +201,9 @@ class TrajectoryParameters(Model):
     )
 
 
+OnLimit = Literal["hold", "refuse", "record"]
+
+
 class IkParameters(Model):
     """Inverse kinematics (IK): solver, its parameters, and the reaction to joint limits."""
 
@@ -256,11 +259,14 @@ class IkParameters(Model):
         "tasks allow. free: no orientation; upright: z axis of the torso vertical and heading of "
         "the soles; hold: orientation in the half-sitting posture, turned with the soles.",
     )
-    on_limit: Literal["refuse", "record"] = Field(
-        "refuse",
-        description="Reaction if a joint leaves its range or, in the solvers other than clik and "
-        "trajectory, if a task is missed. refuse: no motion is made, and an error states the "
-        "reason; record: the motion is made, and mgs validate reports the violation.",
+    on_limit: OnLimit = Field(
+        "hold",
+        description="Reaction if a joint reaches a limit. hold: the solver clik holds the joint at "
+        "the limit of its range or speed and lets the rest of the body take over; where tasks need "
+        "more than that, and with the other solvers, as refuse. refuse: no motion is made if a "
+        "joint leaves its range or, in the solvers other than clik and trajectory, if a task is "
+        "missed, and an error states the reason. record: the motion is made, and mgs validate "
+        "reports the violation.",
     )
     faraji: FarajiParameters = Field(
         default_factory=FarajiParameters, description="Parameters of the solvers ik1 to ik5."

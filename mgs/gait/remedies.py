@@ -46,6 +46,8 @@ GAMMA = Change("ik.gamma_joint", "a larger {}")
 RECORD = Change("ik.on_limit", "{}: record, which keeps the motion")
 SETTLE = Change("ik.solver", "{}: ik4, with which the posture settles at once")
 
+RECORD_SPEED = Change("ik.on_limit", "{}: record, with which mgs validate reports the speed")
+
 WALK = (
     Change("walk.step_length", "a shorter {}", if_set=True),
     Change("walk.lateral", "a smaller {}", if_set=True),
@@ -99,6 +101,12 @@ REMEDIES: dict[type[GaitFile], dict[type[MgsError], tuple[Change, ...]]] = {
         ),
         IkError: (*WALK, Change("walk.com_height", "a lower {}")),
         JointLimitError: (GAMMA, *WALK, Change("walk.com_height", "another {}"), RECORD),
+        JointSpeedError: (
+            *WALK,
+            Change("walk.step_height", "a lower {}"),
+            Change("walk.com_height", "a lower {}"),
+            RECORD_SPEED,
+        ),
         CycleError: (Change("walk.n_steps", "a larger {}"), SETTLE),
         **_rest("walk"),
     },
@@ -115,16 +123,19 @@ REMEDIES: dict[type[GaitFile], dict[type[MgsError], tuple[Change, ...]]] = {
     BalanceGait: {
         ComOutsideFeetError: (Change("balance.channels", "a smaller com_y in {}"),),
         IkError: (*BALANCE, Change("balance.com_height", "a lower {}")),
+        JointSpeedError: (*BALANCE, RECORD_SPEED),
         JointLimitError: (GAMMA, *BALANCE, Change("balance.com_height", "another {}"), RECORD),
     },
     KeyframesGait: {
         ComOutsideFeetError: (Change("keyframes.keys", "a com nearer to the middle in {}"),),
         IkError: KEYFRAMES,
+        JointSpeedError: (KEYFRAMES[1], RECORD_SPEED),
         JointLimitError: (*KEYFRAMES, RECORD),
     },
     PickUpGait: {
         ComOutsideFeetError: (Change("pick_up.object", "a {} nearer to the middle"),),
         IkError: PICK_UP,
+        JointSpeedError: (PICK_UP[2], RECORD_SPEED),
         JointLimitError: (*PICK_UP, RECORD),
     },
     SequenceGait: {

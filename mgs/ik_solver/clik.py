@@ -18,6 +18,10 @@ task of lower priority than J and of higher priority than v0. Its step is taken 
 J, so that it is met where the robot can meet it, and never at the cost of soles, hands or CoM
 (B. Siciliano and J.-J. Slotine, "A general framework for managing multiple tasks in highly
 redundant robotic systems", ICAR 1991).
+
+The equations know no hard limits. With `on_limit: hold`, a span in which a joint leaves its range
+or exceeds its speed is solved again, with that joint held at its limit
+(`mgs.ik_solver.tree.joint_bounds`).
 """
 
 from __future__ import annotations
@@ -30,9 +34,11 @@ import pinocchio as pin
 from mgs.com_generator import ComTrajectory
 from mgs.core.arrays import Array
 from mgs.core.contact import Side
+from mgs.core.errors import IkError
 from mgs.core.progress import Progress
 from mgs.core.spans import spans
 from mgs.gait import IkParameters
+from mgs.gait.ik import OnLimit
 from mgs.ik_solver.gains import (
     gravity_gain_profile,
     gravity_scale,
@@ -41,7 +47,8 @@ from mgs.ik_solver.gains import (
     rest_profile,
 )
 from mgs.ik_solver.joint_trajectory import JointTrajectory
-from mgs.ik_solver.residuals import refuse_limits, refuse_misses
+from mgs.ik_solver.residuals import refuse_limits, refuse_misses, refuse_speed
+from mgs.ik_solver.tree.joint_bounds import JointBounds
 from mgs.ik_solver.tree.least_norm import LeastNorm
 from mgs.ik_solver.tree.static_loads import Sharing, StaticLoads, loaded_gravity
 from mgs.ik_solver.tree.targets import (
@@ -58,9 +65,12 @@ from mgs.trajectory_planner import TaskTrajectory
 
 DAMPING = 1e-6  # Levenberg term, in the unit of J
 TORSO_DAMPING = 0.02  # of the torso's Jacobian in the null space, whose singular values are about 1
+TORSO_SPEED = 1.0  # [rad/s] at which an orientation that was out of reach is recovered
+TORSO_WEIGHT = 5.0  # of the torso's Jacobian against the joints' where joints are held at limits
 UPDATE_ABOVE = 1e-5  # [m] and [rad], task error that calls for a Newton update
 MAX_UPDATES = 10  # per sample; one or two are enough where they converge
 MAX_START_UPDATES = 50
+EYE = np.eye(3)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +83,7 @@ class ClosedLoopIk:
     double_support: Sharing  # how two soles share the weight; off: gamma_grav is 0 there
     iterations: int | None  # Newton updates per sample; None: until UPDATE_ABOVE is met
     torso: TorsoMode  # the orientation of the torso that is kept in the null space
-    keep_limits: bool  # False: record a joint outside its range instead of refusing the motion
+    on_limit: OnLimit  # what becomes of a motion in which a joint reaches its limit
 
     @classmethod
     def from_parameters(cls, parameters: IkParameters) -> ClosedLoopIk:
@@ -85,7 +95,7 @@ class ClosedLoopIk:
             double_support=parameters.double_support,
             iterations=parameters.iterations,
             torso=parameters.torso,
-            keep_limits=parameters.on_limit == "refuse",
+            on_limit=parameters.on_limit,
         )
 
     def solve(
@@ -104,6 +114,7 @@ class ClosedLoopReport:
     """How the closed-loop IK fared."""
 
     newton_updates: int  # in all samples together
+    held_samples: int = 0  # samples at which a joint was held at a limit
 
     def to_dict(self) -> dict[str, object]:
         """The report as plain data."""
@@ -122,7 +133,7 @@ class _Run:
         exact = settings.iterations is None
         self.max_updates = MAX_UPDATES if settings.iterations is None else settings.iterations
         self.threshold2 = UPDATE_ABOVE**2 if exact else 0.0
-        self.updates = 0
+        self.updates = self.held = 0
         self.inverse_range2 = 1.0 / (robot.upper - robot.lower) ** 2
         self.middle = 0.5 * (robot.upper + robot.lower)
         self.loads: StaticLoads | None = None
@@ -154,21 +165,66 @@ class _Run:
             tree.place(pin.XYZQUATToSE3(tasks.soles[start, root]))
             positions, rotations = tree_targets(tasks, self.com.position, start, end)
             q_tree = q[tree.order]
+            bounds = self._bounds(tree)
             if start == 0:
-                self._start(tree, q_tree, positions[0], rotations[0])
-            errors = self._follow_span(tree, q_tree, start, positions, rotations)
-            refuse_misses(TREE_TASKS, errors, dt, start)
-            if self.settings.keep_limits:
+                q_tree = self._start(tree, q_tree, positions[0], rotations[0], bounds)
+            path, errors = self._follow_span(tree, q_tree, start, positions, rotations)
+            self.angles[start:end, tree.order] = path
+            if bounds is not None and not bounds.are_kept(q_tree, path):
+                held = self._follow_span(tree, q_tree, start, positions, rotations, bounds)
+                self._accept_held(tree, q, start, *held, errors)
+                self.held += bounds.held
+            else:
+                refuse_misses(TREE_TASKS, errors, dt, start)
+            if self.settings.on_limit != "record":
                 refuse_limits(self.robot, self.angles[start:end], dt, start)
             q = self.angles[end - 1]
             if progress is not None:
                 progress(end, tasks.n_samples)
-        return JointTrajectory(self.angles, report=ClosedLoopReport(self.updates))
+        return JointTrajectory(self.angles, report=ClosedLoopReport(self.updates, self.held))
+
+    def _accept_held(
+        self, tree: TreeTasks, q: Array, start: int, path: Array, errors: Array, free: Array
+    ) -> None:
+        """Take joint angles path (N, n), in which joints are held at limits, into `angles`.
+
+        If they miss a task, the error states the cause that the free motion shows, which is in
+        `angles` now: its own miss, or else the joint that leaves its limit.
+
+        Args:
+            tree: tree of the support sole.
+            q: (n,) joint angles before `start`.
+            start: sample of the motion to which the first row of `path` belongs.
+            path: joint angles in the order of the tree.
+            errors: (N, m) task errors of `path`.
+            free: (N, m) task errors of the free motion.
+        """
+        span, dt = slice(start, start + len(path)), self.tasks.dt
+        try:
+            refuse_misses(TREE_TASKS, errors, dt, start)
+        except IkError:
+            refuse_misses(TREE_TASKS, free, dt, start)
+            refuse_limits(self.robot, self.angles[span], dt, start)
+            refuse_speed(self.robot, np.vstack([q, self.angles[span]]), dt, start - 1)
+            raise
+        self.angles[span, tree.order] = path
+
+    def _bounds(self, tree: TreeTasks) -> JointBounds | None:
+        """Limits of the joints, if joints are to be held at them."""
+        if self.settings.on_limit != "hold":
+            return None
+        return JointBounds(self.robot, tree.order, tree.asked_rows, self.tasks.dt)
 
     def _follow_span(
-        self, tree: TreeTasks, q: Array, start: int, positions: Array, rotations: Array
-    ) -> Array:
-        """Fill `angles` from sample `start`, beginning at q (n,); remaining task errors (N, m)."""
+        self,
+        tree: TreeTasks,
+        q: Array,
+        start: int,
+        positions: Array,
+        rotations: Array,
+        bounds: JointBounds | None = None,
+    ) -> tuple[Array, Array]:
+        """Joint angles (N, n) from sample `start`, beginning at q (n,); task errors left (N, m)."""
         span = slice(start, start + len(positions))
         pull = self.gain_joint[span, None] * self.inverse_range2[tree.order]
         aim = pull * self.middle[tree.order]  # aim - pull q = - dt gamma_joint grad H_joint
@@ -176,6 +232,7 @@ class _Run:
         path, errors = np.empty_like(pull), np.empty_like(advance)
         solver = LeastNorm(tree.rows, DAMPING)
         v0, gain_grav, error = solver.v, self.gain_grav, errors[0]
+        torso_stride = TORSO_SPEED * self.tasks.dt
         tree.update(q)
         tree.error(positions[0], rotations[0], error)
         rows = zip(positions, rotations, advance, aim, pull, path, errors, strict=True)
@@ -186,41 +243,86 @@ class _Run:
                 v0 -= tau.dot(dtau) * gain_grav[k]
             dq = solver.step(error + step)
             if self.torso is not None:
-                dq = self._add_torso(tree, solver, dq, self.torso[k])
-            q = np.add(q, dq, q_next)
+                dq = self._add_torso(tree, solver, dq, self.torso[k], torso_stride)
+            if bounds is not None:
+                dq = bounds.limit(dq, q, q, tree.J, error + step, self._torso_rows(tree))
+            q_last, q = q, np.add(q, dq, q_next)
             error = error_next  # t[k] - f(q[k]); with the next step t[k+1] - f(q[k])
             tree.update(q)
             tree.error(x, R, error)
             if error.dot(error) > self.threshold2:
-                self._correct(tree, solver, q, x, R, error)
-        self.angles[span, tree.order] = path
-        return errors
+                self._correct(tree, solver, q, x, R, error, bounds, q_last)
+        return path, errors
 
-    def _add_torso(self, tree: TreeTasks, solver: LeastNorm, dq: Array, R_ref: Array) -> Array:
-        """The joint step dq (n,) that `solver` found, with the turn of the torso below it."""
+    def _add_torso(
+        self, tree: TreeTasks, solver: LeastNorm, dq: Array, R_ref: Array, stride: float = np.inf
+    ) -> Array:
+        """The joint step dq (n,) that `solver` found, with the turn of the torso below it.
+
+        The torso turns by at most `stride` [rad].
+        """
         J_torso, turn = tree.torso_error(R_ref)
+        if turn.dot(turn) > stride**2:  # full steps back from far away would overshoot
+            turn *= stride / np.sqrt(turn.dot(turn))
         return solver.add_below(dq, J_torso, turn, TORSO_DAMPING)
 
+    def _torso_rows(self, tree: TreeTasks) -> Array | None:
+        """Weighted Jacobian (3, n) of the torso's turn, if the torso is a task."""
+        return None if self.torso is None else TORSO_WEIGHT * tree.torso_error(EYE)[0]
+
     def _correct(
-        self, tree: TreeTasks, solver: LeastNorm, q: Array, x: Array, R: Array, error: Array
+        self,
+        tree: TreeTasks,
+        solver: LeastNorm,
+        q: Array,
+        x: Array,
+        R: Array,
+        error: Array,
+        bounds: JointBounds | None,
+        q_last: Array,
     ) -> None:
-        """Newton updates of q (n,) and of its task error (m,) at one sample, in place."""
+        """Newton updates of q (n,) and of its task error (m,) at one sample, in place.
+
+        With `bounds` they keep to what the joints can reach from q_last (n,) of the sample before.
+        """
         solver.v[:] = 0.0
         for _ in range(self.max_updates):
-            q += solver.step(error)
+            dq = solver.step(error)
+            if bounds is not None:
+                dq = bounds.limit(dq, q, q_last, tree.J, error, self._torso_rows(tree))
+            q += dq
             tree.update(q)
             tree.error(x, R, error)
             self.updates += 1
             if not error.dot(error) > self.threshold2:
                 break
 
-    def _start(self, tree: TreeTasks, q: Array, x: Array, R: Array) -> None:
-        """Bring q (n,) from the half-sitting posture onto the tasks of the first sample."""
-        settings, dt, error = self.settings, self.tasks.dt, np.empty(tree.n_rows)
+    def _start(
+        self, tree: TreeTasks, posture: Array, x: Array, R: Array, bounds: JointBounds | None
+    ) -> Array:
+        """Joint angles (n,) on the tasks of the first sample, found from a posture (n,)."""
+        settings, dt = self.settings, self.tasks.dt
+        q = self._reach(tree, posture, x, R, None)
+        if bounds is not None and not np.all((q >= bounds.lower) & (q <= bounds.upper)):
+            q = self._reach(tree, posture, x, R, bounds)
+        refuse_stiff_joint_gain(self.robot, settings.gamma_joint, dt)
+        if settings.gamma_grav:
+            refuse_stiff_gravity_gain(self.robot, tree, q, settings.gamma_grav, self.scale, dt)
+        return q
+
+    def _reach(
+        self, tree: TreeTasks, posture: Array, x: Array, R: Array, bounds: JointBounds | None
+    ) -> Array:
+        """Joint angles (n,) on the tasks of one sample, by Newton's method from a posture (n,)."""
+        q, error = posture.copy(), np.empty(tree.n_rows)
+        any_speed = np.full_like(q, np.nan)
         solver = LeastNorm(tree.rows, DAMPING)
         for _ in range(MAX_START_UPDATES):
             tree.update(q)
             tree.error(x, R, error)
+            # Damping by the error (T. Sugihara, "Solvability-unconcerned inverse kinematics by the
+            # Levenberg-Marquardt method", IEEE Trans. Robotics 27(5), 2011) settles at the nearest
+            # posture where the goal is out of reach: the message then says how far it is.
             dq = solver.step(error, error.dot(error))
             off = error.dot(error)
             if self.torso is not None:
@@ -228,13 +330,10 @@ class _Run:
                 off = max(off, dq.dot(dq))
             if off < UPDATE_ABOVE**4:  # quadratic convergence: the last one is exact
                 break
-            # Damping by the error (T. Sugihara, "Solvability-unconcerned inverse kinematics by the
-            # Levenberg-Marquardt method", IEEE Trans. Robotics 27(5), 2011) settles at the nearest
-            # posture where the goal is out of reach: the message then says how far it is.
+            if bounds is not None:
+                dq = bounds.limit(dq, q, any_speed, tree.J, error, self._torso_rows(tree))
             q += dq
-        refuse_stiff_joint_gain(self.robot, settings.gamma_joint, dt)
-        if settings.gamma_grav:
-            refuse_stiff_gravity_gain(self.robot, tree, q, settings.gamma_grav, self.scale, dt)
+        return q
 
 
 def _advance(tree: TreeTasks, positions: Array, rotations: Array) -> Array:

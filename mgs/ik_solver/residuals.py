@@ -72,11 +72,14 @@ def refuse_limits(robot: Robot, joints: Array, dt: float, start: int = 0) -> Non
         )
 
 
-def refuse_speed(robot: Robot, angles: Array, dt: float) -> None:
-    """Raise JointSpeedError where joint angles (N, n) move faster than their servos can."""
+def refuse_speed(robot: Robot, angles: Array, dt: float, start: int = 0) -> None:
+    """Raise JointSpeedError where angles (N, n) from sample `start` on outrun their servos."""
     speed = np.abs(np.diff(angles, axis=0)) / dt
     k, j = np.unravel_index(np.argmax(speed / robot.speed_limit), speed.shape)
     if speed[k, j] > robot.speed_limit[j]:
         raise JointSpeedError(
-            float(k * dt), robot.joint_names[j], float(speed[k, j]), float(robot.speed_limit[j])
+            float((start + k) * dt),
+            robot.joint_names[j],
+            float(speed[k, j]),
+            float(robot.speed_limit[j]),
         )

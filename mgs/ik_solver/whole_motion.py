@@ -68,7 +68,7 @@ class TrajectoryIk:
         return cls(
             closed_loop=ClosedLoopIk.from_parameters(unlimited),
             tuning=parameters.trajectory,
-            keep_limits=parameters.on_limit == "refuse",
+            keep_limits=parameters.on_limit != "record",
         )
 
     def solve(

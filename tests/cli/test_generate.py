@@ -384,7 +384,7 @@ RANGES: dict[str, tuple[st.SearchStrategy[object], st.SearchStrategy[object]]] =
     "ik.gamma_grav": (numbers(0.0, 1.6), numbers(0.0, 1e3)),
     "ik.gamma_grav_ramp": (st.just(0.2), numbers(1e-4, 10.0)),
     "ik.iterations": (st.none(), st.integers(0, 50)),
-    "ik.on_limit": (st.just("refuse"), st.just("record")),
+    "ik.on_limit": (st.sampled_from(["hold", "refuse"]), st.just("record")),
 }
 
 

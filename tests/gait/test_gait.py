@@ -152,7 +152,7 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
             "double_support": "shared",
             "iterations": None,
             "torso": "free",
-            "on_limit": "refuse",
+            "on_limit": "hold",
             "faraji": {
                 "hard": ["soles", "torso", "hands"],
                 "soft": {"com": [1.0, 1.0, 1.0]},

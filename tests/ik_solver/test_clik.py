@@ -371,7 +371,7 @@ LIMITED = SHORT | {"step_height": 0.2}  # too high for a knee that bends by 130 
 
 
 def test_a_joint_beyond_its_limit_is_refused_and_named(melson: Robot):
-    gait = walk_gait(**LIMITED, ik={"gamma_joint": 0.0})
+    gait = walk_gait(**LIMITED, ik={"gamma_joint": 0.0, "on_limit": "refuse"})
     with pytest.raises(JointLimitError) as caught:
         run_stages(melson, gait)
     error = caught.value
@@ -382,7 +382,7 @@ def test_a_joint_beyond_its_limit_is_refused_and_named(melson: Robot):
 
 
 def test_on_request_a_joint_beyond_its_limit_is_recorded(melson: Robot):
-    refused = walk_gait(**LIMITED, ik={"gamma_joint": 0.0})
+    refused = walk_gait(**LIMITED, ik={"gamma_joint": 0.0, "on_limit": "refuse"})
     with pytest.raises(JointLimitError) as caught:
         solve(melson, refused)
     recorded = walk_gait(**LIMITED, ik={"gamma_joint": 0.0, "on_limit": "record"})
@@ -505,6 +505,6 @@ def test_the_settings_of_a_gait_file_reach_the_solver():
         double_support="optimal",
         iterations=4,
         torso="hold",
-        keep_limits=False,
+        on_limit="record",
     )
-    assert ClosedLoopIk.from_parameters(IkParameters()).keep_limits
+    assert ClosedLoopIk.from_parameters(IkParameters()).on_limit == "hold"

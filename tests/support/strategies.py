@@ -125,7 +125,7 @@ def legal_gaits(draw: st.DrawFn, max_steps: int = 300, longest: float = 20.0) ->
             "gamma_grav_ramp": draw(numbers(1e-3, 10.0)),
             "double_support": draw(st.sampled_from(["off", "shared", "optimal"])),
             "iterations": draw(st.none() | st.integers(0, 50)),
-            "on_limit": draw(st.sampled_from(["refuse", "record"])),
+            "on_limit": draw(st.sampled_from(["hold", "refuse", "record"])),
         },
         n_steps=n_steps,
         step_length=draw(moving),

@@ -41,6 +41,7 @@ class TreeTasks:
 
     Attributes:
         n_rows: number m of rows, 15 or 16.
+        asked_rows: rows that are not those of a free hand.
         rows: (m + 1, n) the Jacobian, and below it a row that is left to the solver.
         J: (m, n) task Jacobian in the tree's joint order; rows in the world frame.
         f: (12,) positions of swing sole, right hand, left hand and CoM [m].
@@ -61,6 +62,8 @@ class TreeTasks:
         self.held_rows, self._held_axes = [row for row, _ in held], [axis for _, axis in held]
         self._has_exceptions = bool(self.free_rows or self.held_rows)
         self.n_rows = max([N_TASKS, *(row + 1 for row in self.held_rows)])
+        free = [np.arange(N_TASKS)[rows] for rows in self.free_rows]
+        self.asked_rows = np.setdiff1d(np.arange(self.n_rows), np.concatenate([[-1], *free]))
         self.rows = np.zeros((self.n_rows + 1, robot.n))
         self.J, self.f = self.rows[:-1], np.zeros(N_POSITIONS)
         self._J_tasks = self.J[:N_TASKS]
