@@ -1,4 +1,5 @@
-# make demo   install, generate a walk, validate it in every installed physics engine and plot it
+# make demo   install, generate a walk, validate it in every installed physics engine, plot it and
+#             write a page that shows the moving robot
 # make test   check style and types, then run the tests without the longest simulations
 # make test-all, make lint, make bench, make gallery, make docs-figures, make clean
 
@@ -17,7 +18,9 @@ demo: $(VENV)/.mgs
 	$(BIN)/mgs generate melson/walk_5cm -o $(DEMO)/walk_5cm.mcap --force
 	$(BIN)/mgs validate $(DEMO)/walk_5cm.mcap
 	$(BIN)/mgs plot $(DEMO)/walk_5cm.mcap -o $(DEMO)/plots --force
+	$(BIN)/mgs report $(DEMO)/walk_5cm.mcap -o $(DEMO)/walk_5cm.html --replay mujoco --force
 	@echo "motion: $(DEMO)/walk_5cm.mcap   plots: $(DEMO)/plots"
+	@echo "page:   $(CURDIR)/$(DEMO)/walk_5cm.html (open it in a web browser)"
 
 test: lint
 	$(PYTEST) -m "not slow"

@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from mgs.motion_file import write_motion as write_motion
     from mgs.motion_file.export import export as export
     from mgs.pipeline.request import generate as generate
-    from mgs.report.plot import plot as plot
+    from mgs.report.figures import plot as plot
     from mgs.robot import Robot as Robot
     from mgs.robot import list_robots as list_robots
     from mgs.robot import load_robot as load_robot
@@ -88,7 +88,7 @@ _HOMES = {
     "list_robots": "mgs.robot.list_robots",
     "load_gait": "mgs.gait.load_gait",
     "load_robot": "mgs.robot.load_robot",
-    "plot": "mgs.report.plot.plot",
+    "plot": "mgs.report.figures.plot",
     "read_motion": "mgs.motion_file.read_motion",
     "replay": "mgs.sim.replay.replay",
     "validate": "mgs.judge.validate.validate",

@@ -15,6 +15,9 @@ COMMANDS = {
     "plot": LazyCommand(
         "mgs.cli.inspect", "Plot footsteps, balance and joint trajectories of a motion."
     ),
+    "report": LazyCommand(
+        "mgs.cli.report", "Write a page that shows a motion, its verdict and plots."
+    ),
     "validate": LazyCommand(
         "mgs.cli.judge", "Judge a motion by static checks and replays in physics."
     ),
@@ -82,6 +85,7 @@ def main() -> None:
       mgs generate melson/walk_5cm -o walk.mcap
       mgs validate walk.mcap
       mgs plot walk.mcap -o plots
+      mgs report walk.mcap
 
     Exit codes: 0 success; 1 the motion fails or the work could not be done; 2 malformed input or
     wrong usage.

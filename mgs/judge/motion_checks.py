@@ -61,8 +61,17 @@ class Check:
         return asdict(self)
 
 
-def check_motion(motion: Motion, progress: Progress | None = None) -> list[Check]:
-    """Every static check of a motion, worst value each."""
+def check_motion(
+    motion: Motion, progress: Progress | None = None, collision_step: int = 1
+) -> list[Check]:
+    """Every static check of a motion, worst value each.
+
+    Args:
+        motion: the motion.
+        progress: called with samples done and samples in all.
+        collision_step: collisions are looked for at every sample of this number; larger than 1 for
+            a quick look at a long motion.
+    """
     load_left = np.choose(motion.support, [0.5, 1.0, 0.0])  # by Support
     body = analyse(motion.robot, motion.q, motion.dt, load_left, motion.payload)
     double = motion.support[:, None] == Support.DOUBLE
@@ -72,7 +81,7 @@ def check_motion(motion: Motion, progress: Progress | None = None) -> list[Check
         return [
             joint_position(motion),
             _joint_speed(motion, speed),
-            _self_collision(motion, progress),
+            _self_collision(motion, progress, collision_step),
             _rest(motion, speed),
         ]
     corners = _corners_in_world(motion, body.soles)
@@ -83,7 +92,7 @@ def check_motion(motion: Motion, progress: Progress | None = None) -> list[Check
         _joint_torque_rms(motion, torque),
         _zmp_margin(motion, body),
         *contact_forces(motion, body),
-        _self_collision(motion, progress),
+        _self_collision(motion, progress, collision_step),
         _sole_still(motion, corners),
         _sole_ground(motion, corners),
         _sole_contact(motion, corners),
@@ -203,13 +212,13 @@ def contact_forces(motion: Motion, body: WholeBodyMotion) -> list[Check]:
     ]
 
 
-def _self_collision(motion: Motion, progress: Progress | None) -> Check:
-    """First sample at which two bodies touch that may not."""
+def _self_collision(motion: Motion, progress: Progress | None, step: int) -> Check:
+    """First of every `step`-th sample at which two bodies touch that may not."""
     robot = motion.robot
     geometry = robot.geometry
     data, geometry_data = robot.model.createData(), geometry.createData()
-    for k in range(motion.n_samples):
-        if progress is not None and k % 500 == 0:
+    for k in range(0, motion.n_samples, step):
+        if progress is not None and k % 500 < step:
             progress(k, motion.n_samples)
         if pin.computeCollisions(robot.model, data, geometry, geometry_data, motion.q[k], True):
             results = geometry_data.collisionResults

@@ -1,11 +1,19 @@
-"""Figures of motions and studies; the only part of mgs that imports matplotlib."""
+"""Figures and pages of motions and studies; the only part of mgs that imports matplotlib."""
 
-from mgs.report.canvas import save_figures
-from mgs.report.envelope import plot_envelope
-from mgs.report.motion_plots import MOTION_PLOTS, plot_motion
-from mgs.report.picture import picture_strip, write_picture
-from mgs.report.plot import Figures, plot
-from mgs.report.servo_sweep import plot_servo_sweep
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mgs.report.drawings import (
+        MOTION_PLOTS,
+        Figures,
+        picture_strip,
+        plot,
+        plot_envelope,
+        plot_motion,
+        plot_servo_sweep,
+        save_figures,
+        write_picture,
+    )
 
 __all__ = [
     "MOTION_PLOTS",
@@ -18,3 +26,15 @@ __all__ = [
     "save_figures",
     "write_picture",
 ]
+
+
+def __getattr__(name: str) -> object:
+    """Import the figures when one of them is first used (PEP 562).
+
+    A page, which draws nothing itself, is made in half the time without matplotlib.
+    """
+    if name in __all__:
+        from mgs.report import drawings
+
+        return getattr(drawings, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
