@@ -89,7 +89,9 @@ def _summary(path: Path, motion: Motion, seconds: dict[str, float]) -> dict[str,
     from dataclasses import asdict
 
     from mgs.judge.tracking import tracking_errors
+    from mgs.motion.energy import energy_of
 
+    energy = energy_of(motion)
     return {
         "file": str(path),
         "robot": motion.robot.spec.name,
@@ -100,14 +102,19 @@ def _summary(path: Path, motion: Motion, seconds: dict[str, float]) -> dict[str,
         "duration": motion.duration,
         "tracking": asdict(tracking_errors(motion)),
         "zmp_error": motion.provenance.to_dict().get("zmp_error"),
+        "energy": None if energy is None else energy.to_dict(),
         "seconds": seconds,
     }
 
 
 def _print_summary(path: Path, motion: Motion, seconds: dict[str, float]) -> None:
+    from mgs.cli.verdict_text import energy_words
     from mgs.judge.motion_checks import joint_position, zmp_margins
     from mgs.judge.tracking import tracking_errors
+    from mgs.motion.energy import energy_of
 
+    energy = energy_of(motion)
+    energy_line = "" if energy is None else f"  energy    {energy_words(energy)}\n"
     tracking, limit = tracking_errors(motion), joint_position(motion)
     solver = motion.provenance.solver.name
     margin = "no balance check for this motion"
@@ -125,6 +132,7 @@ def _print_summary(path: Path, motion: Motion, seconds: dict[str, float]) -> Non
         f"  margins   {limit.where} {limit.value:.3f} rad from its limit, "
         f"{margin}\n"
         f"{_zmp_line(motion.provenance.zmp_error)}"
+        f"{energy_line}"
         f"  time      {stages} ms"
     )
 

@@ -249,6 +249,8 @@ def _draw_sweep(verdict: Verdict, path: Path) -> None:
 def _print_verdict(verdict: Verdict) -> None:
     for check in verdict.checks:
         click.echo(verdict_text.line(check))
+    if verdict.energy is not None:
+        click.echo(f"energy: {verdict_text.energy_words(verdict.energy)}")
     for replay in verdict.replays:
         click.echo(verdict_text.sentence(replay))
     for text in verdict_text.sources(verdict.replays):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from mgs.judge.motion_checks import Check
     from mgs.judge.servo_cases import ServoSweep
+    from mgs.motion.energy import Energy
     from mgs.sim import Agreement, Replay
 
 
@@ -34,6 +35,16 @@ def survival(figures: dict[str, Any]) -> str:
         told = (f"{o['parameter']} ({o['probability']:.2f})" for o in worst[:3])
         text += f"; falls correlate with {', '.join(told)}"
     return text
+
+
+def energy_words(energy: Energy) -> str:
+    """Work and torques of a motion, and its cost of transport if the robot travels."""
+    text = (
+        f"positive joint work {energy.positive_work:.3g} J, "
+        f"squared torques {energy.torque_squared:.3g} N^2 m^2 s"
+    )
+    cost = energy.cost_of_transport
+    return text if cost is None else f"{text}, cost of transport {cost:.3f}"
 
 
 def agreement(found: Agreement) -> str:

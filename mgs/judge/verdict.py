@@ -17,6 +17,7 @@ import numpy as np
 from mgs.judge.html import verdict_table
 from mgs.judge.motion_checks import Check
 from mgs.judge.servo_cases import ServoSweep
+from mgs.motion.energy import Energy
 from mgs.sim import Agreement, EngineName, MissingEngine, Replay, ServoName, Strike, agreement
 from mgs.sim.figures import STANDING_LOAD, STANDING_TILT_DEG
 from mgs.sim.poses import FALL_TILT
@@ -39,6 +40,7 @@ class Verdict:
     monte_carlo: dict[str, object] | None = None  # as `mgs.judge.monte_carlo.summary` gives it
     servo_sweep: tuple[ServoSweep, ...] | None = None  # by engine; no check depends on it
     engines_missing: tuple[MissingEngine, ...] = ()  # engines that are not installed
+    energy: Energy | None = None  # of the plan; None: its torques are not known
 
     @property
     def passed(self) -> bool:
@@ -89,6 +91,7 @@ class Verdict:
             "file": self.file,
             "verdict": "pass" if self.passed else "fail",
             "checks": [check.to_dict() for check in self.checks],
+            "energy": None if self.energy is None else self.energy.to_dict(),
             "servo": self.servo,
             "physics": list(self.engines),  # empty: static checks alone
             "engines_missing": [engine.to_dict() for engine in self.engines_missing],

@@ -27,6 +27,7 @@ from mgs.judge.motion_checks import Check, check_motion
 from mgs.judge.verdict import judge
 from mgs.library.manifest import LOST, Value
 from mgs.motion import Motion
+from mgs.motion.energy import energy_of
 from mgs.motion_file import motion_bytes
 from mgs.pipeline import generate
 from mgs.robot import Robot, build_robot
@@ -82,6 +83,7 @@ def _made(recipe: Recipe, assignments: tuple[str, ...]) -> Outcome:
         raise ConfigError(recipe.base, f"robot {gait.robot!r} is not a robot of the sweep")
     robot = _robot(*recipe.robots[gait.robot], gait.robot)
     motion = generate(robot, gait, recipe.name).motion
+    energy = energy_of(motion)
     content = motion_bytes(motion)
     checks = check_motion(motion)
     replays, diverged = _replays(recipe, motion)
@@ -100,6 +102,7 @@ def _made(recipe: Recipe, assignments: tuple[str, ...]) -> Outcome:
         "duration": motion.duration,
         **travel_figures(motion),
         **_check_figures(checks),
+        **({} if energy is None else energy.to_dict()),
         **_replay_figures(replays, diverged),
         "checks": json.dumps([_finite(check.to_dict()) for check in verdict.checks]),
     }
