@@ -19,10 +19,11 @@ from mgs.judge.motion_checks import Check
 from mgs.judge.processes import in_order
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
-from mgs.sim import EngineName, ServoName, Settings
+from mgs.sim import DEFAULTS, EngineName, ServoName, Settings
 from mgs.sim.conditions import RANGES, Ranges, draw
 from mgs.sim.prepare import Prepared, prepare
 from mgs.sim.replay import replay_prepared
+from mgs.sim.settings import settings_of_draws
 
 Z_95 = 1.959964  # of the normal distribution
 LEAST_RATE = 0.95  # of draws that have to survive
@@ -126,9 +127,10 @@ def monte_carlo(
     Raises:
         SimulationError: the engine is missing. A draw whose simulation diverges has not survived.
     """
+    settings = settings_of_draws(engine, servo, settings or DEFAULTS[engine])
     task = Task(prepare(motion, engine, settings, servo, feed_forward), RANGES[ranges], seed)
     done: list[Draw] = []
-    for found in in_order(_one, task, n, workers):
+    for found in in_order(replay_draw, task, n, workers):
         done.append(found)
         if progress is not None:
             progress(len(done), n)
@@ -187,13 +189,16 @@ def offenders(draws: tuple[Draw, ...]) -> list[dict[str, object]]:
     return sorted(found, key=lambda f: -abs(float(str(f["probability"])) - 0.5))
 
 
-def _one(task: Task, number: int) -> Draw:
+def replay_draw(task: Task, number: int) -> Draw:
+    """Draw number `number` of a task and what becomes of it."""
     prepared = task.prepared
     engine = prepared.engine
     conditions = draw(prepared.motion, task.ranges, task.seed, number)
     figures = conditions.figures(prepared.servo)
     try:
-        result = replay_prepared(prepared, conditions)
+        result = replay_prepared(
+            prepared, conditions, with_contacts=not prepared.motion.gait.is_balanced
+        )
     except DivergenceError:
         return Draw(number, engine, False, (f"{engine}_diverged",), None, 180.0, figures)
     return Draw(

@@ -16,6 +16,7 @@ from mgs.judge.motion_checks import check_motion
 from mgs.judge.servo_sweep import sweep_servos
 from mgs.judge.verdict import Verdict, judge
 from mgs.motion import Motion
+from mgs.motion.energy import energy_of
 from mgs.motion_file import read_motion
 from mgs.robot import servos_of
 from mgs.sim import (
@@ -27,6 +28,7 @@ from mgs.sim import (
     replay,
 )
 from mgs.sim.conditions import RANGES, draw
+from mgs.sim.settings import settings_of_draws
 
 
 def validate(
@@ -92,7 +94,10 @@ def validate(
     for kind, name in itertools.product(servos, engines):
         run = partial(replay, servo=kind, feed_forward=told[kind], conditions=conditions)
         tell = progress_of_step(progress, f"{name}, {kind} servos")
-        replays.append(run(motion, name, settings[name], tell))
+        used = settings[name]
+        if sample is not None:
+            used = settings_of_draws(name, kind, used)
+        replays.append(run(motion, name, used, tell))
     found, n_draws = [], monte_carlo or 0
     for name in engines if n_draws else ():
         drawn = partial(replay_draws, n=n_draws, seed=seed, ranges=ranges, workers=workers)
@@ -101,7 +106,9 @@ def validate(
         found.append(drawn(motion, name, settings=settings[name], progress=tell))
     checks += [survival_check(result) for result in found]
     verdict = judge(file or motion.gait_name, checks, replays, summary(found))
-    verdict = dataclasses.replace(verdict, engines_missing=missing_engines())
+    verdict = dataclasses.replace(
+        verdict, engines_missing=missing_engines(), energy=energy_of(motion)
+    )
     if not servo_sweep:
         return verdict
     sweeps = []

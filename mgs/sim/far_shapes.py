@@ -30,12 +30,12 @@ class FarShapes:
         grounds = np.flatnonzero(model.geom_bodyid == 0)
         height = model.geom_pos[grounds, 2] + model.geom_rbound[grounds]
         self._top = float(height.max(initial=0.0))
-        self._near = np.ones(len(self._shapes), dtype=np.int32)
+        self._near = np.ones(len(self._shapes), dtype=np.bool_)
 
     def leave_out(self, duration: float) -> None:
         """Leave out of contacts what cannot touch the ground within a duration [s]."""
         lowest = self._data.geom_xpos[self._shapes, 2] - self._radius
-        near = (lowest < self._top + FASTEST * duration).astype(np.int32)
+        near = lowest < self._top + FASTEST * duration
         if (near == self._near).all():
             return
         self._near = near

@@ -35,7 +35,7 @@ class Trace:
     q: Array  # (M, 7 + n) base position, base quaternion xyzw, joint angles
     torque: Array  # (M, n) of the servos, mean over the sampling period before
     soles: Array  # (M, 2, 7) x, y, z, quaternion xyzw
-    contacts: Array  # (M, 2, 5) of the soles: force x, y, z [N], first moments x, y [N m]
+    contacts: Array  # (M, 2, 5) of the soles: force x, y, z [N], first moments x, y [N m], or NaN
     balls: Array  # (M, b, 6) positions and velocities of the balls of the scene
     tilt: Array  # (M,) of the torso against the plan [rad]
 

@@ -151,7 +151,7 @@ class MujocoEngine:
 
     def read(self) -> Array:
         """Current q (7 + n,); NaN once the simulation has diverged."""
-        if self._warnings.number.any():
+        if any(self._warnings.number):
             return np.full(self._robot.model.nq, np.nan)
         return np.asarray(self._data.qpos[self._xyz_xyzw_joints])
 

@@ -40,7 +40,7 @@ class Recording:
     up: Array  # (M, 3) the world's vertical seen from the torso
     up_plan: Array  # (M, 3) the same in the plan
     torque: Array  # (M, n) mean over the sampling period before [N m]
-    contacts: Array  # (M, 2, 5) of the soles in the last step, as `Engine.contacts` has them
+    contacts: Array  # (M, 2, 5) as `Engine.contacts` has them in the last step; NaN: not read
     balls: Array  # (M, b, 6) positions and velocities of balls
     effort: Effort
 
@@ -51,6 +51,7 @@ def play(
     servos: Servos | None = None,
     conditions: Conditions | None = None,
     progress: Progress | None = None,
+    with_contacts: bool = True,
 ) -> Recording:
     """Settle, play and hold; ends early, some time after a fall.
 
@@ -60,6 +61,7 @@ def play(
         servos: servos that are evaluated outside the engine; None for the engine's own.
         conditions: late and offset commands; None for neither.
         progress: called with samples done and samples in all.
+        with_contacts: whether the forces on the soles are read, which takes a tenth of the time.
 
     Raises:
         DivergenceError: the simulation diverged.
@@ -68,7 +70,8 @@ def play(
     targets = prepared.position, prepared.velocity
     if conditions is not None:
         targets = disturbed_targets(*targets, conditions, dt)
-    log = _Log(motion, engine, _driver(engine, dt, servos, motion.robot), targets, dt)
+    driver = _driver(engine, dt, servos, motion.robot)
+    log = _Log(motion, engine, driver, targets, dt, with_contacts)
     log.settle(prepared.settings.settle)
     poses = [poses_along(motion.robot, log.q[0][None])]
     k, end, look = 1, len(plan), max(1, round(LOOK / motion.dt))
@@ -129,6 +132,7 @@ class _Log:
     driver: Driver
     targets: tuple[Array, Array]
     dt: float  # of the physics [s]
+    with_contacts: bool
     q: list[Array] = field(default_factory=list)
     torque: list[Array] = field(default_factory=list)
     contacts: list[Array] = field(default_factory=list)
@@ -181,13 +185,16 @@ class _Log:
             t = len(self.q) * self.motion.dt
             raise DivergenceError(f"the simulation diverged at t = {t:.3f} s; try a smaller step")
         self.q.append(q)
-        self.contacts.append(self.engine.contacts())
-        self.balls.append(self.engine.balls())
+        if self.with_contacts:
+            self.contacts.append(self.engine.contacts())
+        if self.motion.scene.balls:
+            self.balls.append(self.engine.balls())
 
     def recording(
         self, plan: NDArray[np.intp], soles: Array, up: Array, up_plan: Array
     ) -> Recording:
         """All that was read, and what follows from it."""
+        m = len(self.q)
         return Recording(
             plan=plan,
             q=np.array(self.q),
@@ -195,7 +202,7 @@ class _Log:
             up=up,
             up_plan=up_plan,
             torque=np.concatenate(self.torque),
-            contacts=np.array(self.contacts),
-            balls=np.array(self.balls),
+            contacts=np.array(self.contacts) if self.with_contacts else np.full((m, 2, 5), np.nan),
+            balls=np.array(self.balls).reshape(m, -1, 6),
             effort=self.effort,
         )

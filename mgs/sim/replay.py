@@ -128,7 +128,10 @@ def replay(
 
 
 def replay_prepared(
-    prepared: Prepared, conditions: Conditions | None = None, progress: Progress | None = None
+    prepared: Prepared,
+    conditions: Conditions | None = None,
+    progress: Progress | None = None,
+    with_contacts: bool = True,
 ) -> Replay:
     """Execute a prepared motion under conditions; for many replays of the same motion.
 
@@ -136,6 +139,8 @@ def replay_prepared(
         prepared: the motion, its engine and its servos.
         conditions: how robot, servos and floor differ from the plan's; None: not at all.
         progress: called with samples done and samples in all.
+        with_contacts: whether the forces on the soles are read; without them the trace has NaN in
+            their place, and so has `end_load`.
 
     Raises:
         SimulationError: the engine has loaded another robot or diverged.
@@ -152,7 +157,7 @@ def replay_prepared(
     simulator = make_engine(engine, robot, settings, servo, conditions, motion.scene)
     try:
         version = simulator.version
-        recording = play(prepared, simulator, servos, conditions, progress)
+        recording = play(prepared, simulator, servos, conditions, progress, with_contacts)
     finally:
         simulator.close()
     figures = figures_of(motion, recording)

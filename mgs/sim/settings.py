@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass
 from typing import Literal
@@ -21,6 +22,10 @@ OWN_SERVOS: dict[EngineName, tuple[ServoName, ...]] = {
 # Longest physics step [s] with friction that depends on the load: without rotors, feet in contact
 # jitter in PyBullet, and jitter loosens what dry friction holds.
 LOAD_FRICTION_STEP: dict[EngineName, float] = {"pybullet": 0.00025, "mujoco": 0.0005}
+
+# Shortest physics step [s] of replays under random conditions with servos of the engine's own. One
+# replay does not decide there, and the rate of survival is that of half the step.
+DRAW_STEP: dict[EngineName, float] = {"pybullet": 0.001, "mujoco": 0.001}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,3 +56,10 @@ DEFAULTS: dict[EngineName, Settings] = {
     "pybullet": Settings(dt=0.001, iterations=50, stiffness=1000.0, damping=0.3),
     "mujoco": Settings(dt=0.0005, iterations=50, stiffness=300.0, damping=0.02),
 }
+
+
+def settings_of_draws(engine: EngineName, servo: ServoName, settings: Settings) -> Settings:
+    """Settings of replays under random conditions; every draw has them, however it is replayed."""
+    if servo not in OWN_SERVOS[engine]:
+        return settings
+    return dataclasses.replace(settings, dt=max(settings.dt, DRAW_STEP[engine]))

@@ -24,6 +24,7 @@ from mgs.judge.verdict import replay_checks
 from mgs.robot import Robot
 from mgs.sim import DEFAULTS, replay
 from mgs.sim.conditions import RANGES, draw
+from mgs.sim.settings import settings_of_draws
 from tests.support.motions import standing
 from tests.support.replays import side_to_side
 
@@ -82,14 +83,16 @@ def test_any_number_of_workers_gives_the_same_draws(melson: Robot):
 
 
 def test_a_draw_is_the_single_replay_under_its_conditions(melson: Robot):
-    """With PD servos, whose sag is part of the draw."""
+    """With PD servos, whose sag is part of the draw, and with the longer step of all draws."""
     motion = side_to_side(melson, 0.05, 1.0)
     settings = dataclasses.replace(DEFAULTS["mujoco"], sag=0.05)
+    of_draws = settings_of_draws("mujoco", "pd", settings)
+    assert of_draws.dt == 2.0 * settings.dt
     found = monte_carlo(motion, "mujoco", n=3, seed=1, servo="pd", settings=settings, workers=2)
     assert found.to_dict()["servo"] == "pd"
     for drawn in found.draws:
         conditions = draw(motion, RANGES["wide"], 1, drawn.number)
-        alone = replay(motion, "mujoco", settings, servo="pd", conditions=conditions)
+        alone = replay(motion, "mujoco", of_draws, servo="pd", conditions=conditions)
         assert drawn.figures == conditions.figures("pd")
         assert alone.settings.sag == 0.05 * drawn.figures["sag"]
         assert drawn.max_tilt_deg == alone.max_tilt_deg
