@@ -40,6 +40,7 @@ OWNERS = {
     "distributed": {"library"},
     "sqlite3": {"library"},
     "pyarrow": {"library"},
+    "optuna": {"search"},
 }
 HEAVY = ["control", "matplotlib", "mujoco", "pybullet", "pinocchio", "scipy", "mcap", "distributed"]
 FILES = sorted(PACKAGE.rglob("*.py"))

@@ -28,6 +28,9 @@ COMMANDS = {
     "refine": LazyCommand(
         "mgs.cli.refine", "Correct a motion by the deviations that its replays show."
     ),
+    "tune": LazyCommand(
+        "mgs.cli.tune", "Search for parameters that make a walk robust, fast or efficient."
+    ),
     "export": LazyCommand(
         "mgs.cli.export", "Write joint angles and velocities as CSV or NumPy arrays."
     ),

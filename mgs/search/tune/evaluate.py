@@ -1,0 +1,231 @@
+"""Judgement of one walk of the search in stages, the cheapest first.
+
+    plan -> static checks -> MuJoCo: all kinds of servos -> all engines -> random conditions
+
+A walk that fails a stage does not reach the next one. Where the plan alone tells the score, a walk
+that would not be the best is not replayed. Where robustness is the objective, random conditions in
+MuJoCo come before the replays in other engines, which take longer.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from mgs.core.errors import ConfigError, DivergenceError, InfeasibleGaitError
+from mgs.judge.monte_carlo import Task, replay_draw
+from mgs.judge.motion_checks import Check, check_motion
+from mgs.judge.verdict import replay_checks
+from mgs.motion import Motion
+from mgs.pipeline import run_stages
+from mgs.robot import Robot
+from mgs.search.tune.objective import (
+    ObjectiveName,
+    known_score,
+    least_clearance,
+    plan_figures,
+)
+from mgs.search.tune.space import Space, Value
+from mgs.sim import DEFAULTS, EngineName, ServoName, replay
+from mgs.sim.conditions import RANGES
+from mgs.sim.prepare import prepare
+from mgs.sim.settings import settings_of_draws
+
+STAGES = ("plan", "checks", "first replays", "all replays", "random conditions", "passes")
+PD_CASES = ((1.0, 1.0), (2.0, 0.7), (0.5, 1.3))  # sag [deg] and friction of replays with PD servos
+LEAST_RATE = 0.9  # of draws that a walk survives, where robustness is not the objective
+SURVIVAL = "survival "  # what the names of survival rates among the figures begin with
+ROUNDING = 1e-4  # [m] by which a margin may be below the one asked for
+
+
+@dataclass(frozen=True)
+class Column:
+    """Replays under random conditions in one engine with one kind of servos."""
+
+    engine: EngineName
+    servo: ServoName
+
+    def __str__(self) -> str:
+        return f"{self.engine}, {self.servo} servos"
+
+
+@dataclass(frozen=True, eq=False)
+class TuneTask:
+    """What all walks of one search have in common."""
+
+    robot: Robot
+    space: Space
+    objective: ObjectiveName
+    engines: tuple[EngineName, ...]
+    servos: tuple[ServoName, ...]  # of random conditions
+    ranges: str
+    n_draws: int  # in each column
+    seed: int  # of the draws
+    least_margin: float = 0.0  # of the ZMP from the edge of the support polygon [m]
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """Engines and servos of random conditions, the fastest to simulate first."""
+        engines = sorted(self.engines)
+        return tuple(Column(engine, servo) for engine in engines for servo in self.servos)
+
+
+@dataclass(frozen=True)
+class Found:
+    """One walk of the search."""
+
+    score: float
+    stage: str  # that it failed, or "passes"
+    reason: str = ""  # checks that failed, or the message of the planner
+    pruned: bool = False  # whether it was given up since another walk is better
+    figures: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def passed(self) -> bool:
+        """True if the walk went through all stages."""
+        return self.stage == STAGES[-1] and not self.pruned
+
+
+def evaluate(task: TuneTask, values: Mapping[str, Value], best: float = 0.0) -> Found:
+    """Judge the walk with these values.
+
+    Args:
+        task: what all walks have in common.
+        values: values of the keys that are varied.
+        best: score of the best walk so far that passes; 0: none.
+    """
+    try:
+        motion = run_stages(task.robot, task.space.gait_of(values)).motion
+    except (ConfigError, InfeasibleGaitError) as error:
+        return Found(-4.0, STAGES[0], str(error)[:300])
+    found = judge_plan(task, motion)
+    if found.stage != STAGES[-1]:
+        return found
+    figures = found.figures
+    known = known_score(task.objective, figures)
+    if known is not None and known <= best:
+        return Found(known, STAGES[-1], "is not better than the best", True, figures)
+    for engine in sorted(task.engines):  # mujoco is first, because it is faster
+        failed = _replayed(task, motion, engine)
+        if failed is not None:
+            first = engine == min(task.engines)
+            level, stage = (-2.0, STAGES[2]) if first else (-1.0, STAGES[3])
+            return Found(level - failed[0], stage, failed[1], False, figures)
+        if known is None:
+            figures |= _survival(task, motion, engine, best)
+            if min(_rates(figures)) <= best:
+                return Found(min(_rates(figures)), STAGES[-1], "", True, figures)
+    if known is None:
+        rates = _rates(figures)
+        score = 0.99 * min(rates) + 0.01 * sum(rates) / len(rates)
+        return Found(score, STAGES[-1], "", score <= best, figures)
+    for engine in sorted(task.engines):
+        figures |= _survival(task, motion, engine, LEAST_RATE)
+        if (least := min(_rates(figures))) < LEAST_RATE:
+            told = f"survives {least:.2f} of the random conditions"
+            return Found(least - 1.0, STAGES[4], told, False, figures)
+    return Found(known, STAGES[-1], "", False, figures)
+
+
+def judge_plan(task: TuneTask, motion: Motion) -> Found:
+    """Static checks of a plan, foot clearance and margin of the ZMP."""
+    checks = check_motion(motion)
+    figures = plan_figures(motion)
+    figures |= {
+        check.name: check.value for check in checks if check.name in ("zmp_margin", "joint_torque")
+    }
+    limits = [(check.name, _excess(check)) for check in checks if not check.ok]
+    clearance, margin = least_clearance(task.robot), task.least_margin - ROUNDING
+    if figures["clearance"] < clearance:
+        limits.append(("clearance", 1.0 - figures["clearance"] / clearance))
+    if figures["zmp_margin"] < margin:
+        limits.append(("margin asked for", min(1.0, 1.0 - figures["zmp_margin"] / margin)))
+    if not limits:
+        return Found(0.0, STAGES[-1], figures=figures)
+    total = sum(excess for _, excess in limits)
+    reason = ", ".join(name for name, _ in limits)
+    return Found(-3.0 - total / (1.0 + total), STAGES[1], reason, False, figures)
+
+
+def _excess(check: Check) -> float:
+    """By how much a failed check exceeds its limit, as part of it; 1 where the limit is 0."""
+    return min(3.0, abs(check.value - check.limit) / abs(check.limit)) if check.limit else 1.0
+
+
+def _replayed(task: TuneTask, motion: Motion, engine: EngineName) -> tuple[float, str] | None:
+    """What is missing until all nominal replays in an engine pass (0 to 1), and the reason.
+
+    None: they pass.
+    """
+    cases = [(servo, 1.0, 1.0) for servo in task.servos if servo != "pd"]
+    cases += [("pd", *case) for case in PD_CASES]
+    for i, (servo, sag_deg, friction) in enumerate(cases):
+        bad, reason = _missing(motion, engine, servo, sag_deg, friction)
+        if bad:
+            return (len(cases) - 1 - i + bad) / len(cases), reason
+    return None
+
+
+def _missing(
+    motion: Motion, engine: EngineName, servo: ServoName, sag_deg: float, friction: float
+) -> tuple[float, str]:
+    settings = dataclasses.replace(
+        settings_of_draws(engine, servo, DEFAULTS[engine]),
+        sag=math.radians(sag_deg),
+        friction=friction,
+    )
+    name = f"{engine} {servo}" + (f" {sag_deg:g} deg, friction {friction:g}" * (servo == "pd"))
+    try:
+        result = replay(motion, engine, settings, servo=servo)
+    except DivergenceError:
+        return 1.0, f"{name}: diverged"
+    if result.fell:
+        upright = (result.fall_time or 0.0) / max(motion.duration, motion.dt)
+        return 1.0 - 0.5 * min(1.0, upright), f"{name}: fell at {result.fall_time:.1f} s"
+    failed = [check for check in replay_checks(result, "") if not check.ok]
+    total = sum(_excess(check) for check in failed)
+    reason = f"{name}: {', '.join(check.name.strip('_') for check in failed)}"
+    return 0.5 * total / (1.0 + total), reason
+
+
+def _survival(task: TuneTask, motion: Motion, engine: EngineName, floor: float) -> dict[str, float]:
+    """Survival rates in an engine by column, until one is below a floor."""
+    rates: dict[str, float] = {}
+    for column in task.columns:
+        if column.engine == engine:
+            rates[f"{SURVIVAL}{column}"] = rate = survival_rate(task, motion, column, floor)
+            if rate < floor:
+                break
+    return rates
+
+
+def _rates(figures: Mapping[str, float]) -> list[float]:
+    """Survival rates among the figures of a walk."""
+    return [rate for name, rate in figures.items() if name.startswith(SURVIVAL)]
+
+
+def survival_rate(
+    task: TuneTask, motion: Motion, column: Column, floor: float, draws: range | None = None
+) -> float:
+    """Part of the draws that a walk survives; ends early when it is sure to be below a floor.
+
+    Args:
+        task: ranges, seed and number of draws.
+        motion: the walk.
+        column: engine and servos.
+        floor: rate below which the exact rate does not matter.
+        draws: numbers of the draws; None: as many as the task says, from 0.
+    """
+    numbers = range(task.n_draws) if draws is None else draws
+    settings = settings_of_draws(column.engine, column.servo, DEFAULTS[column.engine])
+    prepared = prepare(motion, column.engine, settings, column.servo)
+    draw_task = Task(prepared, RANGES[task.ranges], task.seed)
+    falls = 0
+    for done, number in enumerate(numbers, start=1):
+        falls += not replay_draw(draw_task, number).survived
+        most = 1.0 - falls / len(numbers)
+        if most < floor:  # a cautious estimate: one more that survives, and one more that falls
+            return min(most, (done - falls + 1) / (done + 2))
+    return 1.0 - falls / len(numbers)

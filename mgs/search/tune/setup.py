@@ -1,0 +1,92 @@
+"""What a search needs to know before it begins: sizes, engines, servos and margin."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from mgs.core.errors import ConfigError, InfeasibleGaitError
+from mgs.gait import Gait, WalkGait
+from mgs.judge.motion_checks import check_motion
+from mgs.motion_planner import for_robot
+from mgs.pipeline import run_stages
+from mgs.robot import Robot, servos_of
+from mgs.search.tune.evaluate import TuneTask
+from mgs.search.tune.objective import ObjectiveName
+from mgs.search.tune.space import make_space
+from mgs.sim import EngineName, ServoName
+
+N_DRAWS = {"robust": 24, "speed": 8, "energy": 8, "torque": 8}
+RANGES_OF = {"robust": "wide", "speed": "lab", "energy": "lab", "torque": "lab"}
+SAVING: tuple[ObjectiveName, ...] = ("energy", "torque")  # which keep the margin of the start gait
+
+
+def make_task(
+    robot: Robot,
+    gait: Gait,
+    objective: ObjectiveName,
+    *,
+    engines: tuple[EngineName, ...],
+    speed: float | None = None,
+    margin: float | None = None,
+    pins: Iterable[str] = (),
+    frees: Iterable[str] = (),
+    ranges: str | None = None,
+    n_draws: int | None = None,
+    seed: int = 0,
+) -> TuneTask:
+    """The task of a search.
+
+    Args:
+        robot: the robot.
+        gait: start gait, which has to be a walk.
+        objective: what is sought.
+        engines: physics engines in which a walk has to pass.
+        speed: speed to keep [m/s]; None: that of the start gait.
+        margin: least distance of the ZMP from the edge of the support polygon [m]; None: 0, and
+            that of the start gait where energy or torques are to be saved.
+        pins: assignments `key=value` of keys that are not varied.
+        frees: `key=low:high` or `key=value,value` of keys that are varied so.
+        ranges: random conditions, "wide" or "lab"; None: "wide" for robustness, else "lab".
+        n_draws: random conditions in each engine with each kind of servos; None: 24 for
+            robustness, else 8.
+        seed: of the random conditions.
+
+    Raises:
+        ConfigError: the gait is no walk, or an option does not fit it.
+    """
+    if not isinstance(gait, WalkGait):
+        raise ConfigError(f"{gait.motion} gait", "only a walk (motion: walk) can be tuned")
+    resolved = for_robot(gait, robot)
+    assert isinstance(resolved, WalkGait)
+    space = make_space(robot, resolved, objective, speed=speed, pins=pins, frees=frees)
+    if margin is None:
+        margin = planned_margin(robot, resolved) if objective in SAVING else 0.0
+    return TuneTask(
+        robot=robot,
+        space=space,
+        objective=objective,
+        engines=engines,
+        servos=servos_for(robot),
+        ranges=ranges or RANGES_OF[objective],
+        n_draws=n_draws or N_DRAWS[objective],
+        seed=seed,
+        least_margin=margin,
+    )
+
+
+def servos_for(robot: Robot) -> tuple[ServoName, ...]:
+    """Ideal servos, and those of robot.yaml if it describes them well enough, else PD servos."""
+    try:
+        servos_of(robot)
+    except ConfigError:
+        return "ideal", "pd"
+    return "ideal", "model"
+
+
+def planned_margin(robot: Robot, gait: WalkGait) -> float:
+    """Least distance of the ZMP from the edge of the support polygon in a plan [m]; 0: no plan."""
+    try:
+        checks = check_motion(run_stages(robot, gait).motion)
+    except InfeasibleGaitError:
+        return 0.0
+    return max(0.0, next(check.value for check in checks if check.name == "zmp_margin"))

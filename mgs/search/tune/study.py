@@ -1,0 +1,305 @@
+"""The search itself: Optuna proposes values, processes judge walks, a journal file keeps them all.
+
+The sampler is the tree-structured Parzen estimator (J. Bergstra et al., "Algorithms for
+hyper-parameter optimization", NIPS 2011) of all parameters together. Before it has enough to go on,
+walks are scattered about the start gait. Only this process writes the journal, so that an
+interrupted search goes on where it was.
+"""
+
+from __future__ import annotations
+
+import concurrent.futures
+import hashlib
+import json
+import multiprocessing
+import signal
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import mgs
+from mgs.core.errors import InputError, MgsError
+from mgs.search.tune.evaluate import Found, TuneTask, evaluate
+from mgs.search.tune.space import Parameter, Value
+
+N_SCATTERED = 24  # walks about the start gait before the sampler takes over
+SCATTER = (0.08, 0.25)  # standard deviations of their parameters, as parts of the bounds
+LEAST_WALKS = 20  # below, nothing is said of the importance of parameters
+IDENTITY = "identity"  # attribute of a study: hash of all that its walks have in common
+FOUND = "found"  # attribute of a walk
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One walk of a search."""
+
+    number: int
+    values: dict[str, Value]
+    found: Found
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """All walks of a search, and the importance of each parameter for the score."""
+
+    task: TuneTask
+    trials: tuple[Trial, ...]
+    importance: dict[str, float]  # sums to 1; empty: too few walks
+    seconds: float  # of this run
+    interrupted: bool
+
+    @property
+    def best(self) -> Trial | None:
+        """The best walk that passes; None: there is none."""
+        return best_of(self.trials)
+
+
+def best_of(trials: Iterable[Trial]) -> Trial | None:
+    """The best walk that passes; None: there is none."""
+    passed = [trial for trial in trials if trial.found.passed]
+    return max(passed, key=lambda trial: trial.found.score, default=None)
+
+
+Tell = Callable[[int, float, "Trial | None"], None]
+"""Called with the number of finished walks, the time [s], and the best walk so far."""
+
+
+def search(
+    task: TuneTask,
+    journal: Path,
+    *,
+    trials: int | None,
+    minutes: float | None,
+    workers: int = 1,
+    seed: int = 0,
+    tell: Tell | None = None,
+) -> Search:
+    """Search until the number of walks or the time is reached, or Ctrl-C is pressed.
+
+    Args:
+        task: what all walks have in common.
+        journal: file that keeps all walks; a search that it contains is continued.
+        trials: number of walks, those of the journal included; None: no limit.
+        minutes: time of this run [min]; None: no limit.
+        workers: number of processes.
+        seed: seed of the sampler.
+        tell: called after each walk.
+
+    Raises:
+        InputError: the journal belongs to another search or is damaged.
+        MgsError: Optuna is not installed.
+    """
+    optuna = _optuna()
+    study = _study(optuna, task, journal, seed)
+    space = _distributions(optuna, task.space.parameters)
+    started, interrupted = time.monotonic(), False
+    done = _trials(study)
+    best = best_of(done)
+    running: dict[concurrent.futures.Future[tuple[Found, float]], Any] = {}
+
+    def more() -> bool:
+        enough = trials is not None and len(done) + len(running) >= trials
+        late = minutes is not None and time.monotonic() - started > 60.0 * minutes
+        return not enough and not late
+
+    try:
+        with _pool(task, workers) as submit:
+            while running or more():
+                while more() and len(running) < workers:
+                    trial = study.ask(space)
+                    score = 0.0 if best is None else best.found.score
+                    running[submit(dict(trial.params), score)] = trial
+                ended, _ = concurrent.futures.wait(running, return_when="FIRST_COMPLETED")
+                for future in ended:
+                    trial, (found, seconds) = running.pop(future), future.result()
+                    trial.set_user_attr(FOUND, {**vars(found), "seconds": seconds})
+                    study.tell(trial, found.score)
+                    done.append(Trial(trial.number, dict(trial.params), found, seconds))
+                    best = best_of(done)
+                    if tell is not None:
+                        tell(len(done), time.monotonic() - started, best)
+    except KeyboardInterrupt:
+        interrupted = True
+        _cut_off(optuna, study)
+    seconds = time.monotonic() - started
+    return Search(task, tuple(done), _importance(optuna, study), seconds, interrupted)
+
+
+def counts(found: Search) -> dict[str, tuple[int, str]]:
+    """Number of walks that failed a stage, and the most frequent reason, by stage."""
+    reasons: dict[str, Counter[str]] = {}
+    for trial in found.trials:
+        if not trial.found.passed:
+            reasons.setdefault(trial.found.stage, Counter())[trial.found.reason] += 1
+    return {stage: (n.total(), n.most_common(1)[0][0]) for stage, n in reasons.items()}
+
+
+def identity(task: TuneTask) -> str:
+    """Hash of all that the walks of a search have in common."""
+    space = task.space
+    content = {
+        "mgs": mgs.__version__,
+        "gait": space.gait.model_dump(mode="json"),
+        "robot": [task.robot.spec.name, task.robot.n, round(task.robot.mass, 9)],
+        "parameters": [vars(parameter) for parameter in space.parameters],
+        "speed": space.speed,
+        "task": [task.objective, task.engines, task.servos, task.ranges, task.n_draws, task.seed],
+        "margin": task.least_margin,
+    }
+    return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
+
+
+def _optuna() -> Any:
+    try:
+        import optuna
+    except ImportError as error:
+        raise MgsError("the search needs Optuna: pip install 'mgs[tune]'") from error
+    optuna.logging.set_verbosity(optuna.logging.WARNING)
+    return optuna
+
+
+def _study(optuna: Any, task: TuneTask, journal: Path, seed: int) -> Any:
+    """The study in a journal file, made if it is missing; walks cut off are marked as failed."""
+    from optuna.storages import JournalStorage
+    from optuna.storages.journal import JournalFileBackend
+
+    journal.parent.mkdir(parents=True, exist_ok=True)
+    is_new = not journal.exists()
+    try:
+        storage = JournalStorage(JournalFileBackend(str(journal)))
+        study = optuna.create_study(
+            storage=storage, study_name="mgs tune", direction="maximize", load_if_exists=True
+        )
+    except (ValueError, KeyError, AssertionError) as error:
+        raise InputError(f"{journal}: not the journal of a search: {error}") from error
+    if is_new:
+        study.set_user_attr(IDENTITY, identity(task))
+        for values in scattered(task, seed):
+            study.enqueue_trial(values)
+    elif study.user_attrs.get(IDENTITY) != identity(task):
+        raise InputError(
+            f"{journal}: belongs to a search with another gait, robot, objective, parameters or "
+            "version of mgs; use the same arguments, another output, or --force for a new search"
+        )
+    _cut_off(optuna, study)
+    study.sampler = optuna.samplers.TPESampler(
+        seed=seed + len(study.get_trials(deepcopy=False)),  # a continued search does not repeat
+        n_startup_trials=N_SCATTERED,
+        multivariate=True,
+        constant_liar=True,
+    )
+    return study
+
+
+def _cut_off(optuna: Any, study: Any) -> None:
+    """Mark walks whose judgement was cut off as failed."""
+    for trial in study.get_trials(states=(optuna.trial.TrialState.RUNNING,)):
+        study.tell(trial.number, state=optuna.trial.TrialState.FAIL)
+
+
+def scattered(task: TuneTask, seed: int) -> list[dict[str, Value]]:
+    """Values of the walks that a search begins with: the start gait, then walks about it."""
+    rng = np.random.default_rng([seed, 1])
+    start, found = task.space.start(), [task.space.start()]
+    for number in range(1, N_SCATTERED):
+        width = SCATTER[number % 2]
+        values: dict[str, Value] = {}
+        for parameter in task.space.parameters:
+            value = start[parameter.key]
+            if parameter.choices:
+                other = rng.uniform() < width
+                values[parameter.key] = str(rng.choice(parameter.choices)) if other else value
+            else:
+                place = parameter.place(float(value)) + width * rng.normal()
+                values[parameter.key] = parameter.at(float(place))
+        found.append(values)
+    return found
+
+
+def _distributions(optuna: Any, parameters: tuple[Parameter, ...]) -> dict[str, Any]:
+    made = optuna.distributions
+    return {
+        p.key: made.CategoricalDistribution(p.choices)
+        if p.choices
+        else made.FloatDistribution(p.low, p.high, log=p.log)
+        for p in parameters
+    }
+
+
+def _trials(study: Any) -> list[Trial]:
+    """Walks of a study that were judged to the end."""
+    found = []
+    for trial in study.get_trials(deepcopy=False):
+        if FOUND in trial.user_attrs and trial.value is not None:
+            kept = dict(trial.user_attrs[FOUND])
+            seconds = kept.pop("seconds")
+            found.append(Trial(trial.number, dict(trial.params), Found(**kept), seconds))
+    return found
+
+
+def _importance(optuna: Any, study: Any) -> dict[str, float]:
+    """Importance of the parameters by PED-ANOVA; empty if there are too few walks.
+
+    S. Watanabe et al., "PED-ANOVA: Efficiently quantifying hyperparameter importance in arbitrary
+    subspaces", IJCAI 2023.
+    """
+    if len(_trials(study)) < LEAST_WALKS:
+        return {}
+    evaluator = optuna.importance.PedAnovaImportanceEvaluator()
+    return dict(optuna.importance.get_param_importances(study, evaluator=evaluator))
+
+
+Submit = Callable[[dict[str, Value], float], "concurrent.futures.Future[tuple[Found, float]]"]
+
+
+@contextmanager
+def _pool(task: TuneTask, workers: int) -> Iterator[Submit]:
+    """Function that judges walks: here if there is one worker, else in processes."""
+    if workers == 1:
+        _adopt(task)
+
+        def here(
+            values: dict[str, Value], best: float
+        ) -> concurrent.futures.Future[tuple[Found, float]]:
+            future: concurrent.futures.Future[tuple[Found, float]] = concurrent.futures.Future()
+            future.set_result(_judge(values, best))
+            return future
+
+        yield here
+        return
+    context = multiprocessing.get_context("spawn")  # engines do not survive a fork
+    others = set(multiprocessing.active_children())
+    pool = concurrent.futures.ProcessPoolExecutor(workers, context, _start, (task,))
+    try:
+        yield lambda values, best: pool.submit(_judge, values, best)
+    except BaseException:  # Ctrl-C: a walk may take a minute
+        for process in set(multiprocessing.active_children()) - others:
+            process.terminate()
+        raise
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+_adopted: list[TuneTask] = []  # of a process that this module started
+
+
+def _start(task: TuneTask) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that keeps the journal
+    _adopt(task)
+
+
+def _adopt(task: TuneTask) -> None:
+    _adopted[:] = [task]
+
+
+def _judge(values: dict[str, Value], best: float) -> tuple[Found, float]:
+    started = time.perf_counter()
+    found = evaluate(_adopted[0], values, best)
+    return found, time.perf_counter() - started

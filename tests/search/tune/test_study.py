@@ -1,0 +1,117 @@
+"""Tests of the search: it finds an optimum, goes on where it was cut off, and repeats itself."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mgs.core.errors import InputError
+from mgs.search.tune import study
+from mgs.search.tune.evaluate import STAGES, Found
+from mgs.search.tune.study import N_SCATTERED, Trial, counts, identity, scattered, search
+from tests.search.tune.support import BEST, by_formula, easy_task
+
+pytest.importorskip("optuna")
+pytest.importorskip("mujoco")
+
+
+@pytest.fixture(autouse=True)
+def _formula(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(study, "evaluate", by_formula)
+
+
+def run(path: Path, trials: int, **options: int) -> study.Search:
+    return search(easy_task(), path / "a.journal", trials=trials, minutes=None, **options)
+
+
+def test_the_search_beats_chance_and_names_a_parameter_that_matters(tmp_path: Path):
+    """Chance: as many walks anywhere between the bounds, ten times over."""
+    n = 80
+    found = run(tmp_path, n)
+    task, rng = found.task, np.random.default_rng(0)
+    assert found.best is not None
+    by_chance = []
+    for _ in range(10):
+        walks = ({p.key: p.at(rng.uniform()) for p in task.space.parameters} for _ in range(n))
+        by_chance.append(max(by_formula(task, values).score for values in walks))
+    assert found.best.found.score > max(by_chance)
+    assert max(found.importance, key=lambda key: found.importance[key]) in BEST
+    assert sum(found.importance.values()) == pytest.approx(1.0)
+
+
+def test_the_same_seed_gives_the_same_walks(tmp_path: Path):
+    first, second = (run(tmp_path / str(i), N_SCATTERED + 6, seed=3) for i in range(2))
+    other = run(tmp_path / "other", N_SCATTERED + 6, seed=4)
+    assert [t.values for t in first.trials] == [t.values for t in second.trials]
+    assert [t.values for t in first.trials[1:]] != [t.values for t in other.trials[1:]]
+    assert first.trials[0].values == other.trials[0].values == first.task.space.start()
+
+
+def test_a_search_that_was_cut_off_is_continued(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    calls: list[float] = []
+
+    def cut_off(task: object, values: object, best: float = 0.0) -> Found:
+        calls.append(best)
+        if len(calls) == 5:
+            raise KeyboardInterrupt
+        return by_formula(task, values, best)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(study, "evaluate", cut_off)
+    first = run(tmp_path, 12)
+    assert first.interrupted
+    assert len(first.trials) == 4
+    passing = [trial.found.score for trial in first.trials if trial.found.passed]
+    second = run(tmp_path, 12)
+    assert not second.interrupted
+    assert [t.values for t in second.trials[:4]] == [t.values for t in first.trials]
+    assert [t.found for t in second.trials[:4]] == [t.found for t in first.trials]
+    assert len(second.trials) == 12
+    assert calls[5] == max(passing, default=0.0)  # the best of the first run is not forgotten
+    assert run(tmp_path, 12).trials == second.trials  # nothing is left to do
+
+
+def test_the_journal_of_another_search_is_refused(tmp_path: Path):
+    run(tmp_path, 2)
+    with pytest.raises(InputError, match="another gait, robot, objective"):
+        search(easy_task(seed=1), tmp_path / "a.journal", trials=3, minutes=None)
+    (tmp_path / "b.journal").write_text("no journal\n")
+    with pytest.raises(InputError, match="not the journal of a search"):
+        search(easy_task(), tmp_path / "b.journal", trials=3, minutes=None)
+
+
+def test_the_identity_of_a_search_depends_on_all_that_its_walks_have_in_common():
+    task = easy_task()
+    others = [
+        dataclasses.replace(task, n_draws=3),
+        dataclasses.replace(task, ranges="lab"),
+        dataclasses.replace(task, objective="torque"),
+        dataclasses.replace(task, least_margin=0.01),
+        dataclasses.replace(task, space=dataclasses.replace(task.space, speed=0.07)),
+    ]
+    assert identity(task) == identity(easy_task())
+    assert len({identity(other) for other in [task, *others]}) == 1 + len(others)
+
+
+def test_the_first_walks_lie_about_the_start_gait_and_inside_the_bounds():
+    task = easy_task()
+    walks = scattered(task, 7)
+    assert walks[0] == task.space.start()
+    assert len(walks) == N_SCATTERED
+    for parameter in task.space.parameters:
+        values = np.array([float(walk[parameter.key]) for walk in walks])
+        assert (values >= parameter.low).all()
+        assert (values <= parameter.high).all()
+        assert np.ptp(values) > 0.0
+
+
+def test_failed_walks_are_counted_by_stage():
+    fates = [("checks", "joint_speed"), ("checks", "rest"), ("checks", "rest"), ("plan", "limit")]
+    trials = tuple(
+        Trial(i, {}, Found(-3.0, stage, reason), 1.0) for i, (stage, reason) in enumerate(fates)
+    )
+    passes = Trial(4, {}, Found(1.0, STAGES[-1]), 1.0)
+    found = study.Search(easy_task(), (*trials, passes), {}, 1.0, False)
+    assert counts(found) == {"checks": (3, "rest"), "plan": (1, "limit")}
