@@ -24,9 +24,21 @@ from mgs.experiments.sensitivity import Sensitivity, measure
     help="Repeat the experiment with one setting changed at a time (sampling period, joint stops, "
     "masses, gains, amplitude and others), and print which claims change. Draws no figures.",
 )  # fmt: skip
+@click.option(
+    "--gait", metavar="GAIT",
+    help="Only with preview: analyse the generator of the CoM motion of this gait, a file or the "
+    "name of a shipped gait: poles of its closed loop and step response.",
+)  # fmt: skip
+@click.option("--robot", metavar="ROBOT", help="Only with --gait: robot of a gait that names none.")
 @json_option
 def experiment(
-    name: str, output: Path | None, no_figures: bool, sensitivity: bool, as_json: bool
+    name: str,
+    output: Path | None,
+    no_figures: bool,
+    sensitivity: bool,
+    gait: str | None,
+    robot: str | None,
+    as_json: bool,
 ) -> None:
     """Repeat the experiments of a paper and test its claims.
 
@@ -47,20 +59,29 @@ def experiment(
     kinematics with floating base and constraints for full body humanoid robot control", Humanoids,
     2008.
 
-    preview: closed-loop analysis of the preview control of the zero-moment point, after S. Kajita
-    et al., "Biped walking pattern generation by using preview control of zero-moment point", ICRA,
-    2003.
+    preview: preview control of the zero-moment point, after S. Kajita et al., "Biped walking
+    pattern generation by using preview control of zero-moment point", ICRA, 2003. With --gait the
+    generator of any gait is analysed by python-control instead.
 
     \b
-    Example:
+    Examples:
       mgs experiment melson -o figures
+      mgs experiment melson --sensitivity
+      mgs experiment preview --gait coman/walk
     """  # noqa: D301
+    if (gait is not None or robot is not None) and (name != "preview" or gait is None):
+        raise click.UsageError("--gait needs the experiment preview, and --robot needs --gait")
     if sensitivity:
+        if gait is not None:
+            raise click.UsageError("--gait and --sensitivity exclude each other; remove one")
         if output is not None:
             raise click.UsageError("--sensitivity draws no figures; remove --output")
         _print_sensitivity(name, as_json)
         return
     folder = None if no_figures else output or Path("outputs/experiments") / name
+    if gait is not None:
+        _design(gait, robot, folder, as_json)
+        return
 
     def work(bar: ProgressBar) -> list[Claim]:
         return experiments.run(name, folder, bar)
@@ -86,6 +107,42 @@ def _print_sensitivity(name: str, as_json: bool) -> None:
     click.echo(f"variants: {', '.join(found.variants) or 'none'}")
     for variant, reason in found.refused.items():
         click.echo(f"not run: {variant}: {reason}")
+
+
+def _design(gait: str, robot: str | None, folder: Path | None, as_json: bool) -> None:
+    """Analyse the generator of a gait, print the result and write a figure if there is a folder."""
+    from mgs.experiments.preview.design import analyse
+
+    found = analyse(gait, robot)
+    if folder is not None:
+        from mgs.experiments.preview.figures import plot_design
+        from mgs.report.canvas import save_figures
+
+        save_figures({"design": plot_design(found)}, folder, force=True)
+    if as_json:
+        print_json(found.to_dict())
+        return
+    click.echo(
+        f"{found.gait} on {found.robot}: generator {found.generator}, dt {found.dt:g} s, CoM "
+        f"height {found.com_height:.4g} m"
+    )
+    for key, value in found.settings.items():
+        click.echo(f"  {key}: {value:g}")
+    if found.gain_gap is None:
+        click.echo("poles: none, because this generator has no constant gains")
+    else:
+        click.echo(f"gains: relative difference to python-control {found.gain_gap:.1e}")
+    for pole, time in zip(found.poles, found.time_constants, strict=True):
+        click.echo(
+            f"pole: {pole.real:.6f} {pole.imag:+.6f}i, magnitude {abs(pole):.6f}, time constant "
+            f"{time:.4f} s"
+        )
+    click.echo(
+        f"step response of the ZMP: overshoot {100 * found.overshoot:.2f} %, undershoot "
+        f"{100 * found.undershoot:.2f} %, settled within 2 % after {found.settling_time:.2f} s"
+    )
+    if folder is not None:
+        click.echo(f"figure in {folder / 'design.png'}")
 
 
 def _print_claims(claims: list[Claim]) -> None:

@@ -101,7 +101,8 @@ def settings_of(name: str, n_steps: int, variant: Variant) -> tuple[str, ...]:
     gait = load_gait(name)
     assert isinstance(gait, WalkGait)
     walk, ik = gait.walk, gait.ik
-    settings = [f"walk.n_steps={n_steps}"]
+    # the article has no limits but the null-space motion, and a claim measures whether it suffices
+    settings = [f"walk.n_steps={n_steps}", "ik.on_limit=record"]
     if variant.amplitude != 1.0:
         settings.append(f"walk.step_length={variant.amplitude * walk.step_length}")
     if variant.speed != 1.0:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from mgs.core.arrays import Array
+from mgs.experiments.preview.design import Design
 from mgs.experiments.preview.study import SOFT, STEP_BEFORE, STIFF, Study, follow, stepping
 from mgs.gait import ComParameters
 from mgs.report.canvas import (
@@ -23,7 +24,7 @@ from mgs.report.canvas import (
 )
 from mgs.report.panels import Line, Panel, draw_panels
 
-NAMES = ("loop", "step", "fast_steps")
+NAMES = ("gains", "preview_windows", "loop", "step", "fast_steps")
 WINDOWS = {0.4: VERMILION, 0.8: ORANGE, 1.6: GREEN}  # [s] -> colour
 WEIGHTS = {SOFT: (VERMILION, "o"), STIFF: (BLUE, "x")}
 MM = 1e3  # of a metre
@@ -31,9 +32,41 @@ MM = 1e3  # of a metre
 
 def write_figures(study: Study, folder: Path, *, force: bool) -> list[Path]:
     """Write all figures into a folder."""
-    plots = (plot_loop, plot_step, plot_fast_steps)
+    plots = (plot_gains, plot_windows, plot_loop, plot_step, plot_fast_steps)
     figures = {name: plot(study) for name, plot in zip(NAMES, plots, strict=True)}
-    return save_figures(figures, folder, force=force)
+    return save_figures(figures, folder, force=force, few_colours=True)
+
+
+def plot_gains(study: Study) -> Figure:
+    """Draw the preview gains of the example of the paper over the time ahead."""
+    servo = study.cart.servo
+    longer = servo.parameters.model_copy(update={"preview": 2.5})
+    G_p = -dataclasses.replace(servo, parameters=longer).gains.G_p
+    ahead = np.arange(1, len(G_p) + 1) * servo.dt
+    title = "preview gains, CoM height 0.814 m, weight_jerk 1e-6"
+    note = "as the figure of the preview gains in the paper"
+    line = Line(ahead, G_p, colour=BLUE)
+    return draw_panels(
+        [Panel((line,), "-G_p [1/s^3]", title, note, xlabel="time ahead [s]")], height=2.6
+    )
+
+
+def plot_windows(study: Study) -> Figure:
+    """Draw ZMP and CoM of the example of the paper with the long and the short preview window."""
+    reference, panels = study.cart.reference(), []
+    t = np.arange(len(reference)) * study.cart.dt
+    for axis, name in enumerate(("x", "y")):
+        for cart in (study.cart, study.short_cart):
+            zmp, com = cart.follow()
+            lines = (
+                Line(t, com[:, axis], "CoM", PURPLE),
+                Line(t, zmp[:, axis], "ZMP", GREEN, width=2.0),
+                Line(t, reference[:, axis], "reference", BLACK, "--", width=1.0),
+            )
+            title = f"preview {cart.preview:g} s" if axis == 0 else ""
+            panels.append(Panel(lines, f"{name} [m]", title, xlim=(1.5, 8.0)))
+    caption = "as the two figures of the paper with these preview windows; steps are ours"
+    return draw_panels(panels, columns=2, height=2.4, caption=caption)
 
 
 def plot_loop(study: Study) -> Figure:
@@ -105,6 +138,39 @@ def plot_step(study: Study) -> Figure:
         height=2.6,
         caption=f"weight_jerk {SOFT:g}",
     )
+
+
+def plot_design(design: Design) -> Figure:
+    """Draw the poles of the closed loop of a gait's generator, and its step response."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 200)
+    circle = Line(np.cos(turn), np.sin(turn), colour=FAINT, style="--", width=0.9)
+    roots = np.array(design.poles)
+    poles = Line(roots.real, roots.imag, colour=VERMILION, style="", marker="o")
+    step = Line(design.time, (design.time >= 0.0).astype(float), "reference", BLACK, "--")
+    answer = (
+        Line(design.time, design.com, "CoM", PURPLE, width=2.0),
+        Line(design.time, design.zmp, "ZMP", GREEN),
+        step,
+    )
+    response = Panel(
+        answer,
+        "part of the step",
+        "response to a step of the ZMP reference",
+        xlabel="time from the step [s]",
+        xlim=(-2.0, 2.0),
+    )
+    caption = f"{design.gait}, generator {design.generator}"
+    if not design.poles:
+        return draw_panels([response], height=3.4, caption=caption)
+    loop = Panel(
+        (circle, poles),
+        "imaginary part",
+        "poles of the closed loop",
+        "dashed: unit circle",
+        xlabel="real part",
+        equal=True,
+    )
+    return draw_panels([loop, response], columns=2, height=3.6, caption=caption)
 
 
 def _answer(study: Study, window: float) -> Array:

@@ -1,4 +1,4 @@
-"""The ZMP preview servo in python-control, and independent computations of its gains.
+"""The ZMP preview servo in python-control: closed loop, feedback gains and simulation.
 
 State of the closed loop z[k] = (s[k-1], x[k]), inputs the reference p_ref[k] and the sum w[k] of
 previewed references; symbols as in `mgs.com_generator.preview`:
@@ -18,8 +18,6 @@ import numpy as np
 from mgs.com_generator.preview import PreviewGains, preview_gains
 from mgs.core.arrays import Array
 from mgs.gait import ComParameters
-
-MAX_ITERATIONS, CONVERGED = 20_000, 1e-14  # of the Riccati recursion, relative change
 
 
 @dataclass(frozen=True)
@@ -60,52 +58,11 @@ class Servo:
         return control.ss(A, inputs, np.hstack([[[0.0]], C]), np.zeros((1, 2)), self.dt)
 
 
-def lqr_feedback(servo: Servo) -> tuple[Array, Array]:
-    """Feedback gains (4,) and Riccati solution (4, 4) by dlqr of python-control."""
+def lqr_feedback(servo: Servo) -> Array:
+    """Feedback gains (4,) by dlqr of python-control."""
     import control
 
-    gain, riccati, _ = control.dlqr(*servo.error_system())
-    return np.asarray(gain)[0], np.asarray(riccati)
-
-
-def riccati_residual(servo: Servo, K: Array) -> float:
-    """Residual of the Riccati equation for K (4, 4), relative to K."""
-    left = _riccati_step(*servo.error_system(), K) - K
-    return float(np.abs(left).max() / np.abs(K).max())
-
-
-def iterated_feedback(servo: Servo) -> Array:
-    """Feedback gains (4,) by the Riccati recursion from zero until convergence."""
-    A, B, Q, R = servo.error_system()
-    K = np.zeros((4, 4))
-    for _ in range(MAX_ITERATIONS):
-        previous, K = K, _riccati_step(A, B, Q, R, K)
-        if np.abs(K - previous).max() < CONVERGED * np.abs(K).max():
-            break
-    return np.asarray(np.linalg.solve(R + B.T @ K @ B, B.T @ K @ A))[0]
-
-
-def _riccati_step(A: Array, B: Array, Q: Array, R: Array, K: Array) -> Array:
-    BKA = B.T @ K @ A
-    return np.asarray(Q + A.T @ K @ A - BKA.T @ np.linalg.solve(R + B.T @ K @ B, BKA))
-
-
-def register_gains(servo: Servo) -> tuple[Array, Array]:
-    """Feedback gains (4,) and preview gains (n,) by LQR for a plant that includes the future.
-
-    The n known increments of the reference are states of a shift register. One dlqr of order 4 + n
-    then gives all gains, without a formula for preview gains.
-    """
-    import control
-
-    A, B, Q, R = servo.error_system()
-    n = len(servo.gains.G_p)
-    A_all, B_all, Q_all = np.zeros((4 + n, 4 + n)), np.zeros((4 + n, 1)), np.zeros((4 + n, 4 + n))
-    A_all[:4, :4], B_all[:4], Q_all[:4, :4] = A, B, Q
-    A_all[0, 4] = -1.0  # e[k+1] includes the next increment of the reference
-    A_all[4:, 4:] = np.eye(n, k=1)
-    gain = np.asarray(control.dlqr(A_all, B_all, Q_all, R)[0])[0]
-    return gain[:4], gain[4:]
+    return np.asarray(control.dlqr(*servo.error_system())[0])[0]
 
 
 def step_reference(n_before: int, n_after: int, height: float) -> Array:
