@@ -69,3 +69,30 @@ def test_a_real_experiment_prints_json_and_nothing_else(tmp_path: Path):
     assert all(set(claim) >= KEYS for claim in printed["claims"])
     assert done.stderr == b""
     assert files_below(tmp_path) == {}
+
+
+def test_the_generator_of_a_gait_is_analysed(tmp_path: Path):
+    folder = tmp_path / "figures"
+    result = run("experiment", "preview", "--gait", "coman/walk", "-o", folder)
+    assert result.exit_code == 0
+    assert result.stdout.count("pole: ") == 4 and "step response of the ZMP" in result.stdout
+    assert set(files_below(folder)) == {"design.png"}
+    told = json.loads(run("experiment", "preview", "--gait", "melson/walk_practical",
+                          "--no-figures", "--json").stdout)  # fmt: skip
+    assert told["generator"] == "qp" and told["poles"] == [] and told["gain_gap"] is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (("melson", "--gait", "coman/walk"), "--gait needs the experiment preview"),
+        (("preview", "--robot", "coman"), "--robot needs --gait"),
+        (("preview", "--gait", "coman/walk", "--sensitivity"), "exclude each other"),
+        (("preview", "--gait", "melson/bow"), "no generator of a CoM motion"),
+        (("preview", "--gait", "nowhere"), "no such file"),
+    ],
+)
+def test_a_gait_that_cannot_be_analysed_is_bad_input(arguments: tuple[str, ...], complaint: str):
+    result = run("experiment", *arguments)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert complaint in result.stderr

@@ -83,6 +83,7 @@ def test_the_scenarios_of_the_article_on_melson_have_its_settings(name: str, gai
     assert (gait.dt, walk.n_steps, walk.step_length) == (0.01, 2, 0.05)
     assert (ik.solver, ik.gamma_joint, ik.gamma_grav) == ("clik", *gains)
     assert (ik.iterations, ik.torso, ik.double_support) == (0, "free", "off")
+    assert ik.on_limit != "hold"  # Section 3.2: limits are avoided by the secondary task alone
     assert (com.generator, com.passes, walk.zmp_offset) == ("preview", 0, [0.0, 0.0])
     steps = walk.n_steps * (walk.double_support + walk.single_support) + walk.double_support
     assert walk.lead_in + steps + walk.lead_out == pytest.approx(12.0)

@@ -19,7 +19,7 @@ from mgs.core.arrays import Array
 from mgs.core.contact import Support
 from mgs.core.errors import ConfigError
 from mgs.experiments.preview.servo import Servo, lqr_feedback
-from mgs.gait import SequenceGait, ZmpGait, load_gait
+from mgs.gait import ZmpGait, load_gait
 from mgs.motion_planner import PosturePlan, for_robot, plan_motion
 from mgs.robot import load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
@@ -113,7 +113,7 @@ def analyse(gait: str | Path, robot: str | Path | None = None) -> Design:
         InfeasibleGaitError: the gait cannot be planned, or the generator cannot follow the step.
     """
     name, loaded = str(gait), load_gait(gait)
-    if not isinstance(loaded, ZmpGait) or isinstance(loaded, SequenceGait):
+    if not isinstance(loaded, ZmpGait):
         raise ConfigError(
             name,
             f"motion {loaded.motion} has no generator of a CoM motion; use a walk or a kick, or a "
@@ -149,7 +149,7 @@ def analyse(gait: str | Path, robot: str | Path | None = None) -> Design:
         settings=settings,
         poles=poles,
         gain_gap=gap,
-        time=(np.arange(standing.n_samples) - before) * tasks.dt,
+        time=tasks.dt * np.arange(-before, standing.n_samples - before, dtype=np.float64),
         zmp=(answer.zmp[:, 0] - start) / height,
         com=(answer.position[:, 0] - start) / height,
     )
