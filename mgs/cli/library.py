@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mgs.cli.common import force_option, json_option, print_json
+from mgs.cli.common import force_option, json_option, print_json, progress_bars
 from mgs.core.errors import OutputExistsError
 
 if TYPE_CHECKING:
@@ -153,28 +153,57 @@ def export(
         click.echo(f"{click.format_filename(str(path))}: {len(table.rows)} gaits")
 
 
-@library.command(short_help="Print a summary of a library and verify its files.")
+@library.command(short_help="Print a summary of a library, or write its page.")
 @folder_argument
+@click.option(
+    "-o", "--output", metavar="FILE.html", type=click.Path(dir_okay=False, path_type=Path),
+    help="Page (HTML) to write: sortable table of all gaits and scatter of their figures. Default: "
+    "no page.",
+)  # fmt: skip
+@click.option(
+    "--pages", "n_pages", metavar="N", type=click.IntRange(0, 10_000), default=0,
+    help="Number of gaits whose own pages are written too, the fastest gaits that pass first, as "
+    "by mgs report; about 1 MB each. The page of the library links to them. Default: 0.",
+)  # fmt: skip
+@force_option
 @json_option
 @click.pass_context
-def report(ctx: click.Context, folder: Path, as_json: bool) -> None:
-    """Print a summary of a library and verify its motion files.
+def report(
+    ctx: click.Context,
+    folder: Path,
+    output: Path | None,
+    n_pages: int,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Print a summary of a library and verify its motion files; write its page.
 
     The summary has the number of gaits by verdict and by reason, the ranges of the figures of the
     gaits that pass, and the share of passes for each value of the sweep. Every motion file is
     compared with its content hash. Exit code 1 if a file is damaged or missing.
 
     \b
-    Example:
+    Examples:
       mgs library report outputs/speeds
+      mgs library report outputs/speeds -o speeds.html --pages 20
     """  # noqa: D301
     from mgs.library import query as look
 
-    found = look.report(folder)
+    if n_pages and output is None:
+        raise click.UsageError("--pages needs -o FILE.html, the page that links to them")
+    if output is None:
+        found = look.report(folder)
+    else:
+        from mgs.report.page.library import write_library_page
+
+        with progress_bars() as tell:
+            found = write_library_page(folder, output, n_pages, force=force, progress=tell)
     if as_json:
         print_json(found)
     else:
         _print_report(found)
+        if output is not None:
+            click.echo(f"{click.format_filename(str(output))}: open it in a web browser")
     ctx.exit(1 if found["damaged_files"] else 0)
 
 

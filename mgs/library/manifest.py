@@ -133,6 +133,9 @@ def _create(
         connection.execute("CREATE TABLE identity (name TEXT PRIMARY KEY, value TEXT NOT NULL)")
         connection.execute(f"CREATE TABLE gaits ({', '.join(columns)})")
         connection.executemany("INSERT INTO identity VALUES (?, ?)", identity.items())
+    known = Manifest(connection).columns
+    for name in [name for name in COLUMNS if name not in known]:  # made by an earlier version
+        connection.execute(f"ALTER TABLE gaits ADD COLUMN {quoted(name)} {COLUMNS[name]}")
     connection.execute("COMMIT")
 
 

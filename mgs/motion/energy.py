@@ -39,13 +39,18 @@ def energy_of(motion: Motion) -> Energy | None:
     """Energy of a motion; None for motions without balance, whose torques are not known."""
     if not motion.gait.is_balanced:
         return None
-    speed = motion.v[:, FLOATING_BASE_NV:]
-    work = float(np.maximum(motion.torque * speed, 0.0).sum() * motion.dt)
+    work = float(positive_power(motion).sum() * motion.dt)
     squared = float(np.square(motion.torque).sum() * motion.dt)
     way = way_of_soles(motion.soles)
     weight = GRAVITY * motion.robot.mass
     cost = None if way < LEAST_WAY else work / (weight * way)
     return Energy(work, squared, cost)
+
+
+def positive_power(motion: Motion) -> Array:
+    """Sum (N,) over all joints of the power that they give, not of what they take up [W]."""
+    power = motion.torque * motion.v[:, FLOATING_BASE_NV:]
+    return np.asarray(np.maximum(power, 0.0).sum(axis=1))
 
 
 def way_of_soles(soles: Array) -> float:

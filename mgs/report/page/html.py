@@ -19,6 +19,7 @@ from typing import Any
 MOTION_SCRIPTS = (
     "three.min.js",
     "data.js",
+    "theme.js",
     "clock.js",
     "robot.js",
     "pieces.js",
@@ -28,7 +29,7 @@ MOTION_SCRIPTS = (
     "panels.js",
     "main.js",
 )
-LIBRARY_SCRIPTS = ("library.js",)
+LIBRARY_SCRIPTS = ("data.js", "theme.js", "plots.js", "scatter.js", "library.js")
 PLACE = re.compile(r"\{\{(\w+)\}\}")
 
 

@@ -4,12 +4,7 @@ A long motion is thinned out to `MOST_SAMPLES` samples. Of what is judged by its
 sample that is kept has the worst value of the stretch that it stands for, so that no peak is lost.
 
 The contact force is that of Newton's law, m (a_com + g); of a motion without balance, of whose
-contacts nothing is known, neither forces nor torques are shown. The power is that which the joints
-give,
-
-    P = sum over the joints of max(0, torque x speed)
-
-and the energy is its integral over time: servos of this kind store nothing when they brake.
+contacts nothing is known, neither forces nor torques are shown.
 """
 
 from __future__ import annotations
@@ -27,6 +22,7 @@ from mgs.core.contact import Support
 from mgs.core.spans import spans
 from mgs.judge.motion_checks import zmp_margins
 from mgs.motion import Motion
+from mgs.motion.energy import energy_of, positive_power
 from mgs.motion_file.transforms import link_tree
 from mgs.report.page.arrays import packed, packed_codes
 from mgs.robot import Robot
@@ -55,30 +51,17 @@ def motion_arrays(motion: Motion, kept: NDArray[np.intp]) -> dict[str, Any]:
     if motion.gait.is_balanced:
         margins = zmp_margins(motion, motion.zmp)
         margins = np.where(np.isfinite(margins), margins, np.nan)
-        power = joint_power(motion)
-        energy = np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1])) * motion.dt])
+        power = positive_power(motion)
         arrays |= {
             "torque": packed(_peaks(motion.torque, kept)),
             "power": packed(_peaks(power[:, None], kept)),
-            "energy": packed(energy[kept], "f4"),
+            "energy": packed((np.cumsum(power) * motion.dt)[kept], "f4"),
             "zmp": packed(motion.zmp[kept], "f4"),
             "zmp_ref": packed(motion.zmp_ref[kept], "f4"),
             "margin": packed(np.fmin.reduceat(margins, kept), "f4"),
             "force": packed(contact_force(motion)[kept]),
         }
     return arrays
-
-
-def joint_power(motion: Motion) -> Array:
-    """Mechanical power (N,) that the joints give, without what they take up when they brake [W]."""
-    power = motion.torque * motion.v[:, FLOATING_BASE_NV:]
-    return np.asarray(np.maximum(np.nan_to_num(power), 0.0).sum(axis=1))
-
-
-def joint_energy(motion: Motion) -> float:
-    """Mechanical energy that the joints give over the whole motion [J]."""
-    power = joint_power(motion)
-    return float(np.sum(0.5 * (power[1:] + power[:-1])) * motion.dt)
 
 
 def contact_force(motion: Motion) -> Array:
@@ -169,7 +152,7 @@ def _rounded(values: Any) -> Any:
 def facts(motion: Motion) -> list[list[str]]:
     """Label and text of what matters most about a motion."""
     robot, made = motion.robot, motion.provenance
-    energy = joint_energy(motion)
+    energy = energy_of(motion)
     travel = motion.soles[-1, :, :2].mean(axis=0) - motion.soles[0, :, :2].mean(axis=0)
     distance = float(np.hypot(*travel)) if motion.gait.is_balanced else 0.0
     rows = [
@@ -182,13 +165,14 @@ def facts(motion: Motion) -> list[list[str]]:
         rows.insert(3, ["CoM generator", made.com_generator.name])
     if len(motion.footsteps) > 2:
         rows.append(["Steps", str(len(motion.footsteps) - 2)])
-    given = f"{energy:.3g} J given by the joints"
     if distance > 1e-3:
         speed = distance / motion.duration
-        given += f", {energy / (robot.mass * GRAVITY * distance):.3g} per weight and distance"
         rows.append(["Distance", f"{distance:.3f} m, mean speed {speed:.3f} m/s"])
-    if motion.gait.is_balanced:
-        rows.append(["Energy", given])
+    if energy is not None:
+        told = f"{energy.positive_work:.3g} J given by the joints"
+        if energy.cost_of_transport is not None:
+            told += f", cost of transport {energy.cost_of_transport:.3g}"
+        rows.append(["Energy", told])
     return rows
 
 

@@ -17,27 +17,6 @@ function lastTime(motion) {
   return Math.max(motion.duration, ...ends);
 }
 
-function themeButton(repaint) {
-  const root = document.documentElement;
-  const dark = () => root.dataset.theme === "dark";
-  const system = window.matchMedia("(prefers-color-scheme: dark)");
-  const apply = (on) => {
-    root.dataset.theme = on ? "dark" : "light";
-    button.textContent = on ? "Light" : "Dark";
-    repaint();
-  };
-  const button = make("button", { class: "push", title: "Colours of the page", onclick: () => apply(!dark()) });
-  apply(system.matches);
-  system.addEventListener("change", (event) => apply(event.matches));
-  return button;
-}
-
-function paintDots() {
-  for (const dot of document.querySelectorAll("[data-colour]")) {
-    dot.style.background = colourOf(dot.dataset.colour);
-  }
-}
-
 /** Table of several motions side by side. */
 function comparison(motions) {
   const labels = [...new Set(motions.flatMap((motion) => motion.facts.map(([label]) => label)))];
@@ -73,12 +52,8 @@ function start(data) {
   motions.forEach(decode);
   const duration = Math.max(...motions.map(lastTime));
   const clock = new Clock(duration), span = { near: duration > 60 }, views = [];
-  const repaint = () => {
-    views.forEach((view) => view.paint());
-    paintDots();
-    window.dispatchEvent(new Event("repaint"));
-  };
-  const theme = themeButton(repaint);
+  const theme = themeButton();
+  window.addEventListener("repaint", () => views.forEach((view) => view.paint()));
   const articles = motions.map((motion) => motionElement(motion, clock, span, views, single));
   const near = make("button", { "aria-pressed": String(span.near), title: "Time span of the plots",
     onclick: () => {
