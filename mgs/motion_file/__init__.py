@@ -38,6 +38,11 @@ Topics with a single message, at 1 s:
     /tf_static              poses of the links that are fixed to others
     /footsteps              soles on the ground, as boxes
     /joint_trajectory       joint angles and velocities of all samples, for ros2_control
+    /com_path, /zmp_path    paths of CoM and ZMP; of a long motion 4000 points of them
+    /scene                  boxes and balls on the ground
+    /soles                  soles as boxes in the frames of the feet, which move with /tf
+
+The last four are for viewers alone; a file without them is read too.
 
 Files that another program rewrote are read too: with chunks of any size or none, compressed by zstd
 or lz4 or not at all, with messages in any order, and without summary, indexes or statistics. A

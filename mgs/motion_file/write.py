@@ -42,6 +42,7 @@ from mgs.motion_file.topics import (
     support_layouts,
 )
 from mgs.motion_file.transforms import LinkTree, link_tree
+from mgs.motion_file.viewer_topics import VIEWER_TOPICS, viewer_messages
 from mgs.robot import is_modelled
 
 FORMAT_VERSION = 3
@@ -103,7 +104,8 @@ def _write(motion: Motion, stream: BinaryIO, progress: Progress) -> None:
     if is_modelled(motion.robot):
         topics.append(joint_commands(motion.robot))
     writer = ChunkWriter(stream, f"mgs {mgs.__version__}")
-    once = {name: writer.add_channel(name, kind, once=True) for name, kind in ONCE_TOPICS.items()}
+    kinds = ONCE_TOPICS | VIEWER_TOPICS
+    once = {name: writer.add_channel(name, kind, once=True) for name, kind in kinds.items()}
     channels = {t.name: writer.add_channel(t.name, t.kind, once=False) for t in topics}
     channels[SUPPORT_TOPIC] = writer.add_channel(SUPPORT_TOPIC, "std_msgs/String", once=False)
     writer.add_metadata("mgs", metadata(motion))
@@ -153,9 +155,10 @@ def _write_once(
 
     That message has 53 MB for 160 000 samples. Readers of the robot description need not unpack it.
     """
+    messages = small_messages(motion, tree) | viewer_messages(motion)
     blocks = [
         block_of_message(channels[topic], START_NS, layout.size, [layout.template])
-        for topic, layout in small_messages(motion, tree).items()
+        for topic, layout in messages.items()
     ]
     writer.add_chunk(blocks)
     message = trajectory_message(motion)

@@ -50,7 +50,8 @@ from tests.support.strategies import balance_gait, figure_eight, sine
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 START_NS = 10**9
-ONCE = {"/robot_description", "/tf_static", "/footsteps", "/joint_trajectory"}
+VIEWER = {"/com_path", "/zmp_path", "/scene", "/soles"}
+ONCE = {"/robot_description", "/tf_static", "/footsteps", "/joint_trajectory", *VIEWER}
 CUBE = 1  # visualization_msgs/Marker
 LIBRARY = struct.pack("<I", len(f"mgs {mgs.__version__}"))  # length of its name in the header
 SHORT = message_layout("std_msgs/String", {"data": "up"})  # no message of /support
