@@ -26,8 +26,9 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option(
     "-o", "--output", metavar="FILE.html", type=click.Path(dir_okay=False, path_type=Path),
-    help="Page to write. Default: path of the first motion file with the ending .html; with "
-    "--compare, comparison.html in its folder.",
+    help="Page to write; with the ending .rrd, a recording for the viewer Rerun instead. Default: "
+    "path of the first motion file with the ending .html; with --compare, comparison.html in its "
+    "folder.",
 )  # fmt: skip
 @click.option(
     "--replay", "engines", metavar="ENGINES",
@@ -67,6 +68,7 @@ def report(
       mgs report walk.mcap
       mgs report walk.mcap -o page.html --replay mujoco
       mgs report --compare slow.mcap fast.mcap -o both.html
+      mgs report walk.mcap -o walk.rrd
     """  # noqa: D301
     from mgs.report.page import PageOptions, write_page
     from mgs.sim import choose_engines
@@ -77,6 +79,9 @@ def report(
         raise click.UsageError("--compare needs at least two files")
     default = files[0].with_name("comparison.html") if compare else files[0].with_suffix(".html")
     path = output or default
+    if path.suffix == ".rrd":
+        _write_recording(files, path, engines, force, as_json)
+        return
     names = () if engines is None else choose_engines(engines, "--replay")
     options = PageOptions(engines=tuple(names), servo=servo, meshes=meshes)
     with progress_bars() as tell:
@@ -89,3 +94,18 @@ def report(
         failed = ", ".join(verdict.failed)
         click.echo(f"{verdict.file}: {f'FAIL: {failed}' if failed else 'PASS'}")
     click.echo(f"{click.format_filename(str(path))}: open it in a web browser")
+
+
+def _write_recording(
+    files: tuple[Path, ...], path: Path, engines: str | None, force: bool, as_json: bool
+) -> None:
+    """Write a Rerun recording of one motion file."""
+    from mgs.report.rerun_recording import write_recording
+
+    if len(files) > 1 or engines is not None:
+        raise click.UsageError("a Rerun recording (.rrd) shows one motion without replays")
+    write_recording(files[0], path, force=force)
+    if as_json:
+        print_json({"recording": str(path), "bytes": path.stat().st_size})
+    else:
+        click.echo(f"{click.format_filename(str(path))}: open it with rerun {path.name}")

@@ -114,16 +114,3 @@ def test_the_layout_for_foxglove_names_topics_of_the_file(file: Path):
     assert named <= known and {"/com_path", "/scene", "/soles", "/footsteps"} <= named
     panels = set(re.findall(r"\w+!\w+", json.dumps(layout["layout"])))
     assert panels == set(layout["configById"])
-
-
-def test_rerun_loads_robot_and_poses(file: Path, tmp_path: Path):
-    """Rerun's own loader of MCAP files, which knows robots, transforms and poses."""
-    pytest.importorskip("rerun", reason="the Python package rerun-sdk is not installed")
-    import subprocess
-    import sys
-
-    out = tmp_path / "a.rrd"
-    command = [str(Path(sys.executable).with_name("rerun")), "mcap", "convert", str(file)]
-    run = subprocess.run([*command, "-o", str(out)], capture_output=True, text=True, timeout=120)
-    assert run.returncode == 0, run.stderr
-    assert out.stat().st_size > 10_000
