@@ -13,11 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mgs.core.arrays import Array
 from mgs.core.errors import ConfigError
 from mgs.robot.init.skeleton import BASE, Skeleton
 from mgs.robot.init.source import Source
-from mgs.robot.urdf_text import joint_axis
 
 GROUND_LAYER = 0.02  # parts of the height: thickness of the layer in which feet are searched
 SOLE_LAYER = 0.004  # parts of the height: a body this close above the lowest one stands as well
@@ -93,13 +91,13 @@ def _without_arms(
 
 def _feet(skeleton: Skeleton, source: Source) -> tuple[int, int]:
     """Bodies of the left and the right foot."""
-    feet = _standing(skeleton, source)
+    feet = standing_bodies(skeleton, source)
     middles = [skeleton.points_at_rest(foot)[:, 1].mean() for foot in feet]
     left, right = feet if middles[0] > middles[1] else feet[::-1]
     return left, right
 
 
-def _standing(skeleton: Skeleton, source: Source) -> tuple[int, int]:
+def standing_bodies(skeleton: Skeleton, source: Source) -> tuple[int, int]:
     """The two bodies that reach the ground, without toes, in any order."""
     bodies = range(1, skeleton.model.njoints)
     low = {body: float(skeleton.points_at_rest(body)[:, 2].min()) for body in bodies}
@@ -141,43 +139,6 @@ def _first_of_limb(
             break
         first = above
     return first
-
-
-def heading(skeleton: Skeleton, source: Source) -> float:
-    """Yaw of the forward direction in the base frame, a multiple of a quarter turn [rad].
-
-    The feet stand side by side, and bending a knee moves the foot backward.
-    """
-    feet = _standing(skeleton, source)
-    ends = [skeleton.points_at_rest(foot).mean(axis=0) for foot in feet]
-    apart = np.abs(ends[0] - ends[1])[:2]
-    ahead = np.array([1.0, 0.0] if apart[1] >= apart[0] else [0.0, 1.0])
-    back = sum(_knee_moves_foot(skeleton, foot) @ ahead for foot in feet)
-    if abs(back) < 1e-3:
-        return 0.0
-    ahead = -ahead * np.sign(back)
-    return float(np.arctan2(ahead[1], ahead[0]))
-
-
-def _knee_moves_foot(skeleton: Skeleton, foot: int) -> Array:
-    """Direction (2,) in which a foot moves when the joint nearest to mid-leg bends."""
-    path = skeleton.path(foot)
-    heights = np.array([skeleton.placements[j].translation[2] for j in path])
-    ground = skeleton.points_at_rest(foot)[:, 2].min()
-    candidates = [j for j in path if abs(_axis_in_base(skeleton, j)[2]) < 0.5]  # without yaw joints
-    middle = 0.5 * (heights[0] + ground)
-    origins = {j: skeleton.placements[j].translation for j in path}
-    knee = min(candidates or path, key=lambda j: abs(origins[j][2] - middle))
-    at, model = int(skeleton.model.idx_qs[knee]), skeleton.model
-    up = model.upperPositionLimit[at] - skeleton.at_rest[at]
-    down = skeleton.at_rest[at] - model.lowerPositionLimit[at]
-    arm = origins[foot] - origins[knee]
-    moved = np.cross(_axis_in_base(skeleton, knee), arm) * (up - down)
-    return np.asarray(moved[:2] / (np.linalg.norm(arm) or 1.0))
-
-
-def _axis_in_base(skeleton: Skeleton, joint: int) -> Array:
-    return np.asarray(skeleton.placements[joint].rotation @ joint_axis(skeleton.model, joint))
 
 
 def _refuse_followers_in(legs: list[int], source: Source, skeleton: Skeleton) -> None:

@@ -9,11 +9,14 @@ import pinocchio as pin
 
 from mgs.core.arrays import Array
 from mgs.robot.init.anatomy import Anatomy
+from mgs.robot.init.points import bounding_box
 from mgs.robot.init.skeleton import BASE, Skeleton
 from mgs.robot.init.sole import Sole
 from mgs.robot.urdf_text import Shape, add_link, add_revolute, joint_axis, numbers
 
 LEAST_MASS = 1e-5  # least mass of a body, as part of the mass of the robot
+# Range of plausible radii of gyration of a body, as parts of the reach of its shapes from its CoM.
+LEAST_GYRATION, MOST_GYRATION = 0.03, 2.0
 LEAST_INERTIA = 1e-7  # least principal inertia, as part of robot mass times leg length squared
 CLEAR = 0.005  # [m] least height of shapes other than feet above the soles
 
@@ -68,12 +71,17 @@ def cleaned_urdf(
 def mended_inertias(
     skeleton: Skeleton, leg_length: float, links: list[str], notes: list[str]
 ) -> list[pin.Inertia]:
-    """Inertias of the bodies; impossible ones are raised to the nearest possible, with a note."""
+    """Inertias of the bodies, with a note for each one that is changed.
+
+    A radius of gyration far beyond the body's shapes, or far inside them, is a placeholder: the
+    body then gets the inertia of a box around its shapes, of the same mass. Impossible principal
+    inertias are raised to the nearest possible ones.
+    """
     mass = float(pin.computeTotalMass(skeleton.model))
     floor = LEAST_INERTIA * mass * leg_length**2
     inertias = [skeleton.model.inertias[0]]
     for body in range(BASE, skeleton.model.njoints):
-        inertia = skeleton.model.inertias[body]
+        inertia = _plausible(skeleton, body, links[body], notes)
         moments, axes = np.linalg.eigh(inertia.inertia)
         new_mass = max(float(inertia.mass), LEAST_MASS * mass)
         new = np.maximum(moments, floor)
@@ -93,6 +101,26 @@ def mended_inertias(
             inertia = pin.Inertia(new_mass, inertia.lever, inertia.inertia)
         inertias.append(inertia)
     return inertias
+
+
+def _plausible(skeleton: Skeleton, body: int, link: str, notes: list[str]) -> pin.Inertia:
+    """Inertia of a body, or that of a box around its shapes where it does not fit their size."""
+    inertia = skeleton.model.inertias[body]
+    points = skeleton.points(body)
+    if not inertia.mass > 0.0 or len(points) < 2:
+        return inertia
+    reach = float(np.linalg.norm(points - inertia.lever, axis=1).max())
+    radius = float(np.sqrt(np.linalg.eigvalsh(inertia.inertia)[-1] / inertia.mass))
+    if LEAST_GYRATION * reach <= radius <= MOST_GYRATION * reach:
+        return inertia
+    placement, size = bounding_box(points)
+    box = pin.Inertia.FromBox(float(inertia.mass), *size)
+    R = placement.rotation
+    notes.append(
+        f"link {link}: its inertia has a radius of gyration of {radius:.2g} m, but its shapes reach "
+        f"{reach:.2g} m from its centre of mass; replaced by the inertia of a box around the shapes"
+    )
+    return pin.Inertia(float(inertia.mass), inertia.lever, R @ box.inertia @ R.T)
 
 
 def clean_shapes(

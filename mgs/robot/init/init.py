@@ -5,15 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pinocchio as pin
 
 from mgs.core.atomic_files import replace_file
 from mgs.core.contact import Side
 from mgs.core.errors import ConfigError, OutputExistsError
 from mgs.robot.build import build_robot
-from mgs.robot.init.anatomy import Anatomy, find_anatomy, heading
+from mgs.robot.init.anatomy import Anatomy, find_anatomy
 from mgs.robot.init.bodies import clean_shapes, cleaned_urdf, link_names, mended_inertias
 from mgs.robot.init.collisions import touching_pairs
+from mgs.robot.init.facing import heading
 from mgs.robot.init.figures import servo_figures
 from mgs.robot.init.posture import NEAR, find_posture, hand_point, leg_length
 from mgs.robot.init.skeleton import Skeleton, build_skeleton
@@ -24,6 +26,8 @@ from mgs.robot.robot import Robot
 
 LEAST_SOLE, LARGEST_SOLE = 0.03, 0.8  # range of plausible sole sizes, as parts of the leg length
 LEAST_LEG_JOINTS = 5
+TALLEST = 10.0  # [m] largest plausible distance of the highest joint from the lowest one
+LARGEST_SHAPE = 30.0  # largest plausible size of a shape, as part of that distance
 MOST_LISTED = 5  # largest number of missing meshes in a message
 
 
@@ -55,6 +59,7 @@ def init_robot(
     anatomy = find_anatomy(skeleton, source)
     soles = _soles(skeleton, anatomy, source)
     leg = leg_length(skeleton, anatomy.legs[0], soles[0])
+    _refuse_units(skeleton, source)
     _refuse_unfit(skeleton, anatomy, soles, leg, source)
     notes = source.notes
     mass = float(pin.computeTotalMass(skeleton.model))
@@ -142,6 +147,26 @@ def _soles(skeleton: Skeleton, anatomy: Anatomy, source: Source) -> tuple[Sole, 
     return left, right
 
 
+def _refuse_units(skeleton: Skeleton, source: Source) -> None:
+    """Raise ConfigError if the joints, or the meshes beside them, seem to be in millimetres."""
+    model = skeleton.model
+    joints = np.array([p.translation for p in skeleton.placements[1:]])
+    height = float(np.ptp(joints[:, 2]))
+    if height > TALLEST:
+        raise ConfigError(
+            source.path, f"the joints of this robot span {height:.0f} m: are these millimetres?"
+        )
+    for body in range(1, model.njoints):
+        reach = float(np.abs(skeleton.points(body)).max())
+        if reach > LARGEST_SHAPE * max(height, 0.05):
+            raise ConfigError(
+                source.path,
+                f"the shapes of link {skeleton.links[body][0]} reach {reach:.3g} m, but the joints "
+                f"of the robot span {height:.2g} m: is its mesh in millimetres? Then give it "
+                'scale="0.001 0.001 0.001"',
+            )
+
+
 def _refuse_unfit(
     skeleton: Skeleton, anatomy: Anatomy, soles: tuple[Sole, Sole], leg: float, source: Source
 ) -> None:
@@ -159,7 +184,9 @@ def _refuse_unfit(
             raise ConfigError(
                 source.path,
                 f"the lowest link, {link}, is not a foot: its sole would be {size} for a leg "
-                f"length of {1e3 * leg:.0f} mm; check that the URDF contains the legs",
+                f"length of {1e3 * leg:.0f} mm; check that the URDF contains the legs, and that "
+                "its shapes are in the same unit as its joints: a mesh in millimetres needs "
+                'scale="0.001 0.001 0.001"',
             )
     n = len(anatomy.legs[0])
     if n < LEAST_LEG_JOINTS:

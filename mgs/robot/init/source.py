@@ -8,16 +8,21 @@ because the joints of a loop cannot be controlled independently.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree import ElementTree
 
 from mgs.core.errors import ConfigError
+from mgs.robot.urdf_checks import PARTS, is_empty, malformed
 from mgs.robot.urdf_lock import fix_joint
 
 MAX_BYTES = 20_000_000
-LEAST_RANGE = 1e-3  # [rad] joints with a smaller range are fixed
+LEAST_RANGE = 0.05  # [rad] joints with a smaller range are fixed: they serve no motion, and the
+# joint-limit gradient of the closed-loop IK, which grows with 1 / range^2, would be too stiff
 WIDEST = 2.0 * math.pi  # [rad] joints with a larger limit are treated as continuous
+WORLD = "world"
+KNOWN_BLOCKS = ("material",)  # harmless, and in most files
 TAKEN_NAMES = ("universe", "root_joint")  # joint names that Pinocchio reserves
 
 
@@ -43,23 +48,30 @@ def read_source(path: Path) -> Source:
     Raises:
         ConfigError: the file is missing, is not a URDF, or does not contain one tree of links.
     """
-    root = _parse(path)
+    root, text = _parse(path)
     _refuse_loops(root, path)
     notes: list[str] = []
+    _ignore_foreign(root, notes)
+    _drop_empty_shapes(root, notes)
+    if problems := malformed(root, text):
+        raise ConfigError(path, problems)
+    _refuse_weightless(root, path)
     _cut_floating_base(root, path, notes)
+    _cut_world(root, notes)
     leaders = {mimic.get("joint", "") for mimic in root.iter("mimic")}
     source = Source(path, root, _mimics(root), leaders, notes=notes)
-    _refuse_malformed(source)
     for joint in root.findall("joint"):
         _bring_into_shape(joint, source)
     return source
 
 
-def _parse(path: Path) -> ElementTree.Element:
+def _parse(path: Path) -> tuple[ElementTree.Element, str]:
+    """Root element and text of a file."""
     try:
         if path.stat().st_size > MAX_BYTES:
             raise ConfigError(path, f"larger than {MAX_BYTES // 10**6} MB, probably not a URDF")
-        root = ElementTree.fromstring(path.read_bytes())
+        content = path.read_bytes()
+        root = ElementTree.fromstring(content)
     except OSError as error:
         raise ConfigError(path, (error.strerror or str(error)).lower()) from error
     except (ElementTree.ParseError, ValueError, LookupError) as error:
@@ -68,13 +80,34 @@ def _parse(path: Path) -> ElementTree.Element:
         raise ConfigError(path, _why_not_sdf(root))
     if root.tag != "robot":
         raise ConfigError(path, f"cannot read it as a URDF: its root is <{root.tag}>, not <robot>")
-    if any("xacro" in element.tag for element in root.iter() if isinstance(element.tag, str)):
+    parts = [*root.findall("link"), *root.findall("joint")]
+    if any("xacro" in element.tag for element in (parts or [root]) for element in element.iter()):
         raise ConfigError(
             path, "contains xacro macros; expand them first with xacro FILE > robot.urdf"
         )
     if not root.findall("link"):
         raise ConfigError(path, "has no links")
-    return root
+    return root, content.decode("utf-8", "replace")
+
+
+def _ignore_foreign(root: ElementTree.Element, notes: list[str]) -> None:
+    """Remove what is neither a link nor a joint: blocks for simulators, leftover macros."""
+    foreign = [element for element in root if element.tag not in PARTS]
+    for element in foreign:
+        root.remove(element)
+    counts = Counter(str(element.tag).rpartition("}")[2] for element in foreign)
+    shown = [f"{count} <{tag}>" for tag, count in sorted(counts.items()) if tag not in KNOWN_BLOCKS]
+    if shown:
+        notes.append(f"elements that are neither links nor joints ignored: {', '.join(shown)}")
+
+
+def _drop_empty_shapes(root: ElementTree.Element, notes: list[str]) -> None:
+    """Remove shapes with a size of 0, which no physics engine accepts."""
+    for link in root.findall("link"):
+        for shape in [*link.findall("collision"), *link.findall("visual")]:
+            if is_empty(shape):
+                link.remove(shape)
+                notes.append(f"{shape.tag} shape of size 0 removed from link {link.get('name')}")
 
 
 def _why_not_sdf(root: ElementTree.Element) -> str:
@@ -130,28 +163,12 @@ def _refuse_loops(root: ElementTree.Element, path: Path) -> None:
         raise ConfigError(path, problems)
 
 
-def _refuse_malformed(source: Source) -> None:
-    """Raise ConfigError for malformed positions and axes, with a message that names them."""
-    problems = []
-    for part in (*source.root.findall("joint"), *source.root.findall("link")):
-        for element in part.iter():
-            for key in ("xyz", "rpy"):
-                text = element.get(key)
-                if text is not None and not _is_triple(text):
-                    problems.append(
-                        f"{part.tag} {part.get('name')}: {element.tag} {key} = {text!r} is not "
-                        "three numbers"
-                    )
-    if problems:
-        raise ConfigError(source.path, problems)
-
-
-def _is_triple(text: str) -> bool:
-    try:
-        values = [float(word) for word in text.split()]
-    except ValueError:
-        return False
-    return len(values) == 3 and all(math.isfinite(value) for value in values)
+def _refuse_weightless(root: ElementTree.Element, path: Path) -> None:
+    masses = [float(mass.get("value", "0")) for mass in root.iterfind("link/inertial/mass")]
+    if not sum(masses) > 0.0:
+        raise ConfigError(
+            path, "no link has a mass, so that no motion can be planned; add inertial elements"
+        )
 
 
 def _cut_floating_base(root: ElementTree.Element, path: Path, notes: list[str]) -> None:
@@ -170,6 +187,31 @@ def _cut_floating_base(root: ElementTree.Element, path: Path, notes: list[str]) 
         root.remove(next(link for link in root.findall("link") if link.get("name") == parent))
         name = joint.get("name")
         notes.append(f"{kind} joint {name} and link {parent} removed: mgs adds a floating base")
+
+
+def _cut_world(root: ElementTree.Element, notes: list[str]) -> None:
+    """Remove a root link `world` and the fixed joint below it; mgs adds its own floating base."""
+    joints = [joint for joint in root.findall("joint") if _end(joint, "parent") == WORLD]
+    ends = [_end(joint, "child") for joint in root.findall("joint")]
+    if WORLD in ends or len(joints) != 1 or joints[0].get("type") != "fixed":
+        return
+    (joint,) = joints
+    link = next(link for link in root.findall("link") if link.get("name") == WORLD)
+    origin = joint.find("origin")
+    rpy = [float(word) for word in ("" if origin is None else origin.get("rpy", "")).split()]
+    if any(rpy[:2]):  # the rotation tells which way is up
+        assert origin is not None
+        origin.set("xyz", "0 0 0")
+        upright = f"{_end(joint, 'child')}_upright"
+        link.set("name", upright)
+        joint.find("parent").set("link", upright)  # type: ignore[union-attr]
+        notes.append(f"root link {WORLD} renamed to {upright}, without its height above the robot")
+        return
+    root.remove(joint)
+    root.remove(link)
+    notes.append(
+        f"root link {WORLD} and fixed joint {joint.get('name')} removed: mgs adds a floating base"
+    )
 
 
 def _end(joint: ElementTree.Element, tag: str) -> str:
@@ -216,8 +258,13 @@ def _limit(joint: ElementTree.Element, source: Source) -> None:
     if limit is None:
         limit = ElementTree.SubElement(joint, "limit")
     lower, upper = (_number(source, joint, limit, key) for key in ("lower", "upper"))
-    unlimited = limit.get("lower") is None and limit.get("upper") is None
-    endless = joint.get("type") == "continuous" or unlimited
+    endless = limit.get("lower") is None and limit.get("upper") is None
+    if joint.get("type") == "continuous":
+        endless = lower == upper
+        if not endless:
+            source.notes.append(
+                f"joint {name} is continuous, but has limits: [{lower:g}, {upper:g}] rad hold"
+            )
     if lower > upper:
         lower, upper = upper, lower
         source.notes.append(f"joint {name}: reversed limits [{upper:g}, {lower:g}] rad swapped")
@@ -226,7 +273,10 @@ def _limit(joint: ElementTree.Element, source: Source) -> None:
         source.notes.append(f"range of continuous joint {name} limited to half a turn either way")
     elif upper - lower < LEAST_RANGE:
         fix_joint(joint, 0.5 * (lower + upper))
-        source.notes.append(f"joint {name} fixed: its range [{lower:g}, {upper:g}] rad is empty")
+        source.notes.append(
+            f"joint {name} fixed: its range [{lower:g}, {upper:g}] rad is narrower than "
+            f"{LEAST_RANGE:g} rad"
+        )
         return
     joint.set("type", "revolute")
     limit.set("lower", repr(lower))

@@ -101,7 +101,7 @@ def _servos(draft: Draft) -> list[str]:
         lines.append("locked:  # guess: joints that whole-body motions do not need [rad]")
         for joint, why in sorted(draft.anatomy.locked.items()):
             angle = float(draft.q[draft.skeleton.model.idx_qs[joint]])
-            lines.append(f"  {word(draft.skeleton.name(joint))}: {angle:.9g}  # {why}")
+            lines.append(f"  {word(draft.skeleton.name(joint))}: {angle!r}  # {why}")
     return lines
 
 
