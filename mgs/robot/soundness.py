@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from mgs.core.arrays import Array
-from mgs.core.constants import FLOATING_BASE_NQ
+from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV, GRAVITY
 from mgs.core.contact import Side
 from mgs.core.errors import ConfigError
 from mgs.core.geometry import convex_hull, polygon_margins, sole_corners
@@ -32,7 +32,7 @@ class Finding:
 
 
 def check_robot(robot: Robot) -> list[Finding]:
-    """Check inertias, legs, symmetry, limits, soles, balance and collisions in the posture."""
+    """Check inertias, legs, symmetry, limits, soles, balance, strength and collisions."""
     data = robot.model.createData()
     q = robot.standing_q
     pin.framesForwardKinematics(robot.model, data, q)
@@ -45,6 +45,7 @@ def check_robot(robot: Robot) -> list[Finding]:
         _limits(robot),
         _soles_level(corners),
         _balance(com, corners),
+        _strength(robot, data),
         _collisions(robot, q),
     ]
 
@@ -149,6 +150,41 @@ def _balance(com: Array, corners: Array) -> Finding:
         f"CoM at height {com[2]:.4f} m, {1e3 * margin:.1f} mm inside the support polygon",
         "change hip and ankle pitch of the posture until the CoM is above the soles",
     )
+
+
+def _strength(robot: Robot, data: pin.Data) -> Finding:
+    """Check that the servos can hold the posture on one leg, with the weight on its sole.
+
+    tau = g(q) - J^T w, with the wrench w of the whole weight in the middle of one sole. `data`
+    holds the frames of the posture.
+    """
+    worst, weak = (0.0, ""), []
+    for side in Side:
+        needed = np.abs(one_legged_torques(robot, data, side))
+        for joint in leg_joints(robot, side):
+            j = robot.model.idx_vs[joint] - FLOATING_BASE_NV
+            name, limit = robot.joint_names[j], float(robot.torque_limit[j])
+            worst = max(worst, (needed[j] / limit, name))
+            if needed[j] > limit:
+                weak.append(f"{name} needs {needed[j]:.3g} of {limit:.3g} N m")
+    return Finding(
+        "strength",
+        not weak,
+        f"standing on one leg takes {100 * worst[0]:.0f} % of the stall torque of {worst[1]}"
+        + (f"; too weak: {', '.join(weak)}" if weak else ""),
+        "check stall_torque under servos in robot.yaml: a URDF may give the torque of the motor "
+        "before its gear; otherwise bend the knees of the posture less",
+    )
+
+
+def one_legged_torques(robot: Robot, data: pin.Data, side: Side) -> Array:
+    """Joint torques (n,) [N m] of the posture with the whole weight in the middle of one sole."""
+    model, q = robot.model, robot.standing_q
+    frame = robot.sole_frames[side]
+    J = pin.computeFrameJacobian(model, model.createData(), q, frame, pin.LOCAL_WORLD_ALIGNED)
+    middle = np.array([0.0, 0.0, robot.mass * GRAVITY])
+    gravity = pin.computeGeneralizedGravity(model, data, q)
+    return np.asarray((gravity - J[:3].T @ middle)[FLOATING_BASE_NV:])
 
 
 def _collisions(robot: Robot, q: Array) -> Finding:

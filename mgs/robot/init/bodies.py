@@ -117,8 +117,8 @@ def _plausible(skeleton: Skeleton, body: int, link: str, notes: list[str]) -> pi
     box = pin.Inertia.FromBox(float(inertia.mass), *size)
     R = placement.rotation
     notes.append(
-        f"link {link}: its inertia has a radius of gyration of {radius:.2g} m, but its shapes reach "
-        f"{reach:.2g} m from its centre of mass; replaced by the inertia of a box around the shapes"
+        f"link {link}: its inertia has a radius of gyration of {radius:.2g} m, but its shapes "
+        f"reach {reach:.2g} m from its centre of mass; replaced by the inertia of a box around them"
     )
     return pin.Inertia(float(inertia.mass), inertia.lever, R @ box.inertia @ R.T)
 

@@ -1,7 +1,8 @@
 """Computation of a half-sitting posture: knees bent, soles level on one plane, CoM above the soles.
 
 The base stays upright. Each leg is solved separately by bounded least squares, with a level sole,
-at the lateral distance of the sole with all joints at 0, and at a height that bends the knee. The
+at the lateral distance of the sole with all joints at 0 or at a smaller one that suits a walk, and
+at a height that bends the knee. The
 soles are then moved below the CoM and the legs are solved again, until the position converges.
 The arms hang forward with bent elbows.
 """
@@ -27,6 +28,8 @@ MOST_LOAD = 0.3  # largest part of the torque of a pitch joint to carry the robo
 LEG_ROOM = 0.25  # [rad] distance from the limits of leg joints that suffices for a step
 HAND_REACH = 0.85  # distance from shoulder to hand, as part of the stretched arm
 HAND_DIRECTION = (0.2, 0.2, -0.96)  # forward, outward, up
+WIDEST_STANCE = 0.35  # largest distance of the soles from each other, as part of the stretched leg
+LEAST_GAP = 0.3  # least gap between narrowed soles, as part of their width
 REST_WEIGHT = 1e-3  # [m/rad] weight of the distance from the posture at rest
 NEAR = 1e-6  # [m] and [rad] tolerance of the pose of a sole
 ROOM, ARM_ROOM = 0.02, 0.35  # [rad] distance from the limits of legs and arms; less if narrow
@@ -110,10 +113,10 @@ def _sit(
     model, data = skeleton.model, skeleton.model.createData()
     pin.forwardKinematics(model, data, skeleton.at_rest)
     rest = [data.oMi[leg[-1]] * s.placement for leg, s in zip(anatomy.legs, soles, strict=True)]
-    half_width = 0.5 * (rest[0].translation[1] - rest[1].translation[1])
+    length = leg_length(skeleton, anatomy.legs[0], soles[0])
+    half_width = 0.5 * stance_width(rest, soles, length)
     middle = 0.5 * (rest[0].translation[1] + rest[1].translation[1])
     hips = [data.oMi[leg[0]].translation.copy() for leg in anatomy.legs]
-    length = leg_length(skeleton, anatomy.legs[0], soles[0])
     drop = min(hips[0][2] - rest[0].translation[2], length) * crouch
     x, error, offset = float(hips[0][0]), 0.0, 0.0
     for _ in range(BALANCE_ROUNDS):
@@ -127,6 +130,17 @@ def _sit(
             break
         x += offset
     return Posture(q, error, offset)
+
+
+def stance_width(rest: list[pin.SE3], soles: tuple[Sole, Sole], length: float) -> float:
+    """Distance of the soles from each other [m].
+
+    That of the zero posture, but at most a part of the leg length [m]: while a robot walks, its
+    CoM has to move from one sole to the other. The soles keep a gap in any case.
+    """
+    zero = float(rest[0].translation[1] - rest[1].translation[1])
+    with_gap = (1.0 + LEAST_GAP) * 0.5 * (soles[0].width + soles[1].width)
+    return min(zero, max(WIDEST_STANCE * length, with_gap))
 
 
 def _place_sole(skeleton: Skeleton, leg: list[int], sole: Sole, target: pin.SE3, q: Array) -> float:
