@@ -375,7 +375,7 @@ WAIST_LIMITS = 'lower="-1.0472" upper="1.0472" effort="1.5" velocity="6.2"'
         (
             '<mass value="0.942"/>',
             '<mass value="-0.942"/>',
-            "moved by waist_yaw have a mass of -0.942 kg",
+            "mass value = '-0.942' has to be 0 kg or more",
         ),
         ('<link name="torso">', '<link name="pelvis">', "cannot read it as a URDF"),
         ("</robot>", "", "cannot read it as a URDF"),

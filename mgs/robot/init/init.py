@@ -59,7 +59,6 @@ def init_robot(
     anatomy = find_anatomy(skeleton, source)
     soles = _soles(skeleton, anatomy, source)
     leg = leg_length(skeleton, anatomy.legs[0], soles[0])
-    _refuse_units(skeleton, source)
     _refuse_unfit(skeleton, anatomy, soles, leg, source)
     notes = source.notes
     mass = float(pin.computeTotalMass(skeleton.model))
@@ -121,6 +120,7 @@ def _read(urdf: Path, package_paths: tuple[Path, ...]) -> tuple[Source, Skeleton
     """Source and skeleton of a URDF, turned so that x of the base points forward."""
     source = read_source(urdf)
     skeleton = build_skeleton(source, package_paths)
+    _refuse_units(skeleton, source)
     if yaw := heading(skeleton, source):
         turn(source, yaw)
         skeleton = build_skeleton(source, package_paths)

@@ -251,7 +251,8 @@ REFUSED = {
     ),
     "a foot without shape": (Biped(foot_geometry="<none/>"), "has no readable shape"),
     "macros": (
-        '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:a/><link name="a"/></robot>',
+        '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="a"><xacro:a/></link>'
+        "</robot>",
         "xacro macros",
     ),
     "not XML": ("robot", "not valid XML"),
@@ -265,11 +266,11 @@ REFUSED = {
     ),
     "a malformed position": (
         Biped().urdf().replace('xyz="0.0 0.0 -0.315"', 'xyz="0.0 0.0, -0.315"', 1),
-        "left_knee_pitch: origin xyz = '0.0 0.0, -0.315' is not three numbers",
+        r"left_knee_pitch .*: origin xyz = '0.0 0.0, -0.315' is not three numbers",
     ),
     "a limit that is not a number": (
         Biped().urdf().replace('lower="0.0"', 'lower="low"', 1),
-        "left_knee_pitch: lower = 'low' is not a number",
+        "left_knee_pitch .*: limit lower = 'low' is not a number",
     ),
 }  # fmt: skip
 
