@@ -18,6 +18,7 @@ demo: $(VENV)/.mgs
 	$(BIN)/mgs generate melson/walk_5cm -o $(DEMO)/walk_5cm.mcap --force
 	$(BIN)/mgs validate $(DEMO)/walk_5cm.mcap
 	$(BIN)/mgs plot $(DEMO)/walk_5cm.mcap -o $(DEMO)/plots --force
+	@$(BIN)/mgs info $(DEMO)/walk_5cm.mcap | grep -E '^engines:|MISSING'
 	$(BIN)/mgs report $(DEMO)/walk_5cm.mcap -o $(DEMO)/walk_5cm.html --replay mujoco --force
 	@echo "motion: $(DEMO)/walk_5cm.mcap   plots: $(DEMO)/plots"
 	@echo "page:   $(CURDIR)/$(DEMO)/walk_5cm.html (open it in a web browser)"

@@ -44,6 +44,13 @@ def functions(path: Path) -> set[str]:
     return {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
 
 
+def test_the_page_on_packages_has_a_row_for_each_dependency() -> None:
+    page = (ROOT / "docs/packages.md").read_text()
+    rows = re.findall(r"^\| `([\w-]+)`[^|]*\|", page, re.MULTILINE)
+    dependencies = [re.split(r"[<>=;! ]", line)[0] for line in METADATA["dependencies"]]
+    assert sorted(rows, key=str.lower) == sorted(dependencies, key=str.lower)
+
+
 def test_every_target_of_make_that_the_guides_name_exists() -> None:
     makefile = (ROOT / "Makefile").read_text()
     targets = set(re.findall(r"^([\w-]+):", makefile, re.MULTILINE))

@@ -27,10 +27,10 @@ def info(file: Path, as_json: bool) -> None:
     from mgs.motion_file import read_info
 
     content = read_info(file)
-    missing = [engine.to_dict() for engine in missing_engines()]
-    content |= {"engines": engine_versions(), "engines_missing": missing}
+    engines, missing = engine_versions(), missing_engines()
     if as_json:
-        print_json(content)
+        absent = [engine.to_dict() for engine in missing]
+        print_json({**content, "engines": engines, "engines_missing": absent})
         return
     for key, value in content.items():
         if isinstance(value, dict):
@@ -38,11 +38,15 @@ def info(file: Path, as_json: bool) -> None:
             for name, entry in value.items():
                 click.echo(f"  {name}: {entry}")
         elif isinstance(value, list):
-            click.echo(f"{key}:" if value else f"{key}: none")
+            click.echo(f"{key}:")
             for entry in value:
                 click.echo("  " + ", ".join(str(part) for part in entry.values()))
         else:
             click.echo(f"{key}: {click.format_filename(str(value))}")
+    told = ", ".join(f"{name} {version}" for name, version in engines.items())
+    click.echo(f"engines: {told or 'none'}")
+    for engine in missing:
+        click.echo(engine)
 
 
 @click.command()

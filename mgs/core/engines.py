@@ -64,6 +64,6 @@ def _missing(name: EngineName) -> MissingEngine:
         name,
         f"there is no ready-made package of PyBullet for {here}, so that mgs is installed without "
         "it",
-        "use Python 3.10 or 3.11 on Linux on x86_64, or build it with a C++ compiler: pip install "
-        "pybullet",
+        "use Python 3.10 or 3.11 on Linux on x86_64, or build it with a C++ compiler, which takes "
+        "about a quarter of an hour: pip install pybullet",
     )

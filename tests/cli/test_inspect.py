@@ -33,7 +33,8 @@ def test_info_names_the_engines_and_what_to_do_about_a_missing_one(walk_file: Pa
     told = json.loads(run("info", walk_file, "--json").stdout)
     assert [engine["engine"] for engine in told["engines_missing"]] == ["pybullet"]
     text = run("info", walk_file).stdout
-    assert "engines_missing:\n  pybullet, " in text and "pip install pybullet" in text
+    assert "\nengines: " in text and "\npybullet is MISSING: " in text
+    assert "pip install pybullet" in text
 
 
 def test_info_in_words_names_topics_and_attachments(walk_file: Path):
