@@ -121,6 +121,20 @@ def quintic(s: ArrayLike) -> Array:
     return u**3 * (10.0 + u * (-15.0 + 6.0 * u))
 
 
+def cruise(s: ArrayLike, ramp: float) -> Array:
+    """Blend (...) from 0 to 1 for s in [0, 1] that moves on steadily between two ramps of speed.
+
+    Speed rises from 0 to 1 / (1 - ramp) by x^2 (3 - 2 x) in a part `ramp` of the way in time, at
+    most a half, and falls likewise at the end, so that there is no acceleration at either end. The
+    peak is 1.54 times the mean for a ramp of 0.35, where the minimum-jerk blend has 1.875.
+    """
+    u = np.clip(np.asarray(s, dtype=float), 0.0, 1.0)
+    near = np.minimum(u, 1.0 - u)
+    x = np.minimum(near / ramp, 1.0)
+    gone = (ramp * x**3 * (1.0 - 0.5 * x) + np.maximum(near - ramp, 0.0)) / (1.0 - ramp)
+    return np.where(u <= 0.5, gone, 1.0 - gone)
+
+
 def bump(s: ArrayLike) -> Array:
     """Rise from 0 to 1 at s = 1/2 and back, at rest at both ends: 64 s^3 (1 - s)^3."""
     u = np.clip(np.asarray(s, dtype=float), 0.0, 1.0)

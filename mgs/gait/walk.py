@@ -12,6 +12,7 @@ from mgs.core.constants import COM_TOLERANCE
 MAX_STEPS = 20_000
 Duration = Annotated[float, Field(gt=0.0, le=60.0)]
 Length = Annotated[float, Field(ge=-1.0, le=1.0)]
+SwingProfile = Literal["minimum_jerk", "cruise"]
 Turn = Annotated[float, Field(ge=-1.0, le=1.0)]
 Coordinate = Annotated[float, Field(ge=-1e3, le=1e3)]
 Heading = Annotated[float, Field(ge=-100.0, le=100.0)]
@@ -185,6 +186,13 @@ class WalkParameters(Model):
         le=0.5,
         description="Largest height of the swing sole above the ground [m]; above boxes the sole "
         "rises as far as `clearance` requires.",
+    )
+    swing_profile: SwingProfile = Field(
+        "minimum_jerk",
+        description="Speed of the swing sole along the ground over a single support phase. "
+        "minimum_jerk: blend of least jerk, whose largest speed is 1.875 times the mean; cruise: "
+        "steady in the middle, with a largest speed of 1.54 times the mean and more acceleration. "
+        "Steps over boxes have profiles of their own.",
     )
     landing: float = Field(
         0.0,

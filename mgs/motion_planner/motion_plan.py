@@ -16,6 +16,7 @@ from mgs.core.curves import Knots
 from mgs.core.scene import EMPTY, Scene
 from mgs.core.short_repr import short_repr
 from mgs.gait import AnyChannel
+from mgs.gait.walk import SwingProfile
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +75,7 @@ class WalkPlan(CommonPlan):
 
     phases: tuple[Phase, ...]
     step_height: float  # [m]
+    swing_profile: SwingProfile = "minimum_jerk"
     landing: float = 0.0  # last part of a single support, in which the sole comes straight down
     com_height: float  # above the ground [m]
     zmp_offset: tuple[float, float]  # forward and inward of the sole's centre [m]

@@ -53,6 +53,7 @@ def plan_walk(robot: Robot, gait: WalkGait) -> WalkPlan:
         scene=Scene(boxes=boxes),
         phases=phases,
         step_height=walk.step_height,
+        swing_profile=walk.swing_profile,
         landing=walk.landing,
         com_height=walk.com_height or float(rest.com[2]),
         zmp_offset=(walk.zmp_offset[0], walk.zmp_offset[1]),

@@ -1,9 +1,10 @@
 """Paths of the soles in a walk: at rest on footsteps, and swings between them.
 
-A swing sole moves along the ground by a minimum-jerk blend and rises to step_height by a bump, so
-that it lifts off and lands without speed or acceleration. With a landing it arrives above its
-footstep earlier and comes straight down at the end, by a third of step_height per single support: a
-sole that meets the ground too early then neither scuffs nor hits it fast.
+A swing sole moves along the ground by a minimum-jerk blend, or steadily between two ramps, and
+rises to step_height by a bump, so that it lifts off and lands without speed or acceleration. With a
+landing it arrives above its footstep earlier and comes straight down at the end, by a third of
+step_height per single support: a sole that meets the ground too early then neither scuffs nor hits
+it fast.
 """
 
 from __future__ import annotations
@@ -12,10 +13,18 @@ import numpy as np
 
 from mgs.core.arrays import Array
 from mgs.core.curves import evaluate
-from mgs.core.geometry import bump, quintic
+from mgs.core.geometry import bump, cruise, quintic
+from mgs.gait.walk import SwingProfile
 from mgs.motion_planner import Phase, WalkPlan
 
 LANDING_SPEED = 1.0 / 3.0  # mean speed of a landing, in step heights per single support
+
+RAMP = 0.35  # part of a swing in which the profile `cruise` speeds up, and slows down
+
+
+def along_ground(s: Array, profile: SwingProfile) -> Array:
+    """Part (N,) of its way that a swing sole has gone at parts s (N,) of the time."""
+    return cruise(s, RAMP) if profile == "cruise" else quintic(s)
 
 
 def sole_paths(plan: WalkPlan) -> tuple[Array, Array]:
@@ -40,7 +49,7 @@ def _swing(plan: WalkPlan, phase: Phase, start: Array, target: Array) -> tuple[A
         times = plan.dt * samples
         return evaluate(phase.path.planar, times), evaluate(phase.path.height, times)[:, 0]
     s = samples / len(samples)
-    along = quintic(s / (1.0 - plan.landing))
+    along = along_ground(s / (1.0 - plan.landing), plan.swing_profile)
     planar = start + along[:, None] * (target - start)
     return planar, plan.step_height * _swing_height(s, plan.landing)
 

@@ -23,6 +23,7 @@ FIXED = {
     "walk.single_support": 0.5,
     "walk.double_support": 0.5,
     "walk.com_height": 0.26,
+    "walk.swing_profile": "minimum_jerk",
     "walk.step_width": 0.095,
     "walk.zmp_offset": [0.0, 0.0],
     "walk.zmp_travel": 0.0,

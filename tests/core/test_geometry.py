@@ -16,6 +16,7 @@ from mgs.core.geometry import (
     bump,
     compose_planar,
     convex_hull,
+    cruise,
     polygon_margins,
     quat_multiply,
     quat_xyzw_from_rpy,
@@ -188,6 +189,17 @@ def test_the_quintic_is_the_polynomial_of_its_six_boundary_conditions():
     s = np.linspace(0.0, 1.0, 101)
     assert_allclose(quintic(s), np.polynomial.polynomial.polyval(s, coefficients), atol=1e-12)
     assert np.all(np.diff(quintic(s)) > 0.0)
+
+
+@given(st.floats(0.05, 0.5))
+def test_a_cruise_is_the_integral_of_its_trapezoid_with_smooth_flanks(ramp: float):
+    s = np.linspace(0.0, 1.0, 20001)
+    x = np.minimum(np.minimum(s, 1.0 - s) / ramp, 1.0)
+    speed = x**2 * (3.0 - 2.0 * x) / (1.0 - ramp)
+    integral = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))]) * s[1]
+    assert_allclose(cruise(s, ramp), integral, atol=1e-6)
+    assert_allclose(np.diff(cruise(s, ramp)).max() / s[1], 1.0 / (1.0 - ramp), rtol=1e-3)
+    assert_allclose(cruise([-1.0, 0.0, 0.5, 1.0, 2.0], ramp), [0.0, 0.0, 0.5, 1.0, 1.0])
 
 
 def test_the_bump_peaks_at_one_in_the_middle_and_is_symmetric():

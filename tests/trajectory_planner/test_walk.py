@@ -69,13 +69,16 @@ def test_the_ik_changes_its_sole_only_when_both_are_down(gait: Gait):
     assert len(changes) == gait.walk.n_steps - 1  # once between any two steps
 
 
+@pytest.mark.parametrize("profile", ["minimum_jerk", "cruise"])
 @pytest.mark.parametrize("landing", [0.0, 0.3])
 @pytest.mark.parametrize("coordinate", ["x", "y", "z", "yaw"])
 def test_a_swing_sole_lifts_off_and_lands_without_speed_or_acceleration(
-    coordinate: str, landing: float
+    coordinate: str, landing: float, profile: str
 ):
     """Differences over h of a motion with jerk j: at most j h^2 in speed, j h in acceleration."""
-    plan, tasks = tasks_of(walk_gait(**FINE, lateral=0.02, step_width=0.12, landing=landing))
+    plan, tasks = tasks_of(
+        walk_gait(**FINE, lateral=0.02, step_width=0.12, landing=landing, swing_profile=profile)
+    )
     h, duration = plan.dt, 0.5
     planar = np.concatenate([tasks.soles[..., :3], yaw(tasks.soles[..., 3:])[..., None]], axis=-1)
     path = planar[..., ["x", "y", "z", "yaw"].index(coordinate)]

@@ -11,13 +11,13 @@ from mgs.motion_planner import for_robot
 from mgs.pipeline import run_stages
 from mgs.robot import Robot, servos_of
 from mgs.search.tune.evaluate import TuneTask
-from mgs.search.tune.objective import ObjectiveName
+from mgs.search.tune.objective import ObjectiveName, known_score, plan_figures
 from mgs.search.tune.space import make_space
 from mgs.sim import EngineName, ServoName
 
 N_DRAWS = {"robust": 24, "speed": 8, "energy": 8, "torque": 8}
 RANGES_OF = {"robust": "wide", "speed": "lab", "energy": "lab", "torque": "lab"}
-SAVING: tuple[ObjectiveName, ...] = ("energy", "torque")  # which keep the margin of the start gait
+SAVING: tuple[ObjectiveName, ...] = ("energy", "torque")  # whose walks have to beat the start gait
 
 
 def make_task(
@@ -59,8 +59,10 @@ def make_task(
     resolved = for_robot(gait, robot)
     assert isinstance(resolved, WalkGait)
     space = make_space(robot, resolved, objective, speed=speed, pins=pins, frees=frees)
-    if margin is None:
-        margin = planned_margin(robot, resolved) if objective in SAVING else 0.0
+    score = 0.0
+    if objective in SAVING:
+        own_margin, score = planned(robot, resolved, objective)
+        margin = own_margin if margin is None else margin
     return TuneTask(
         robot=robot,
         space=space,
@@ -70,7 +72,8 @@ def make_task(
         ranges=ranges or RANGES_OF[objective],
         n_draws=n_draws or N_DRAWS[objective],
         seed=seed,
-        least_margin=margin,
+        least_margin=margin or 0.0,
+        least_score=score,
     )
 
 
@@ -83,10 +86,11 @@ def servos_for(robot: Robot) -> tuple[ServoName, ...]:
     return "ideal", "model"
 
 
-def planned_margin(robot: Robot, gait: WalkGait) -> float:
-    """Least distance of the ZMP from the edge of the support polygon in a plan [m]; 0: no plan."""
+def planned(robot: Robot, gait: WalkGait, objective: ObjectiveName) -> tuple[float, float]:
+    """ZMP margin [m] and score of a plan, should it pass everything; zeros without a plan."""
     try:
-        checks = check_motion(run_stages(robot, gait).motion)
+        motion = run_stages(robot, gait).motion
     except InfeasibleGaitError:
-        return 0.0
-    return max(0.0, next(check.value for check in checks if check.name == "zmp_margin"))
+        return 0.0, 0.0
+    margin = next(check.value for check in check_motion(motion) if check.name == "zmp_margin")
+    return max(0.0, margin), known_score(objective, plan_figures(motion)) or 0.0

@@ -10,13 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 from mgs.core.config import build, read_assignment, set_value
 from mgs.core.constants import GRAVITY
 from mgs.core.contact import Side
 from mgs.core.errors import ConfigError
 from mgs.gait import WalkGait
+from mgs.gait.walk import SwingProfile
 from mgs.motion_planner.standing import MIN_ARM_JOINTS, standing_figures
 from mgs.robot import Robot, leg_length, midpoint_width
 from mgs.robot.limbs import arm_joints
@@ -233,6 +234,7 @@ def default_parameters(robot: Robot, gait: WalkGait, objective: ObjectiveName) -
         Parameter("walk.com_height", 0.88 * height, 1.04 * height, own=height),
         Parameter("walk.step_height", 1.05 * LEAST_CLEARANCE * leg, 0.2 * leg),
         Parameter("walk.landing", 0.0, 0.4),
+        Parameter("walk.swing_profile", choices=get_args(SwingProfile)),
         Parameter("walk.zmp_offset.0", -0.15 * sole.length, 0.15 * sole.length),
         Parameter("walk.zmp_offset.1", -0.1 * sole.width, 0.25 * sole.width),
         Parameter("walk.zmp_travel", 0.0, 0.3 * sole.length),

@@ -114,7 +114,7 @@ def search(
             while running or more():
                 while more() and len(running) < workers:
                     trial = study.ask(space)
-                    score = 0.0 if best is None else best.found.score
+                    score = task.least_score if best is None else best.found.score
                     running[submit(dict(trial.params), score)] = trial
                 ended, _ = concurrent.futures.wait(running, return_when="FIRST_COMPLETED")
                 for future in ended:
@@ -151,7 +151,7 @@ def identity(task: TuneTask) -> str:
         "parameters": [vars(parameter) for parameter in space.parameters],
         "speed": space.speed,
         "task": [task.objective, task.engines, task.servos, task.ranges, task.n_draws, task.seed],
-        "margin": task.least_margin,
+        "least": [task.least_margin, task.least_score],
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
 

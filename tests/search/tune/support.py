@@ -35,6 +35,8 @@ def by_formula(task: TuneTask, values: Mapping[str, Value], best: float = 0.0) -
     """
     start, square = task.space.start(), 0.0
     for p in task.space.parameters:
+        if p.choices:
+            continue
         place = p.place(float(values[p.key]))
         if p.key == "walk.step_height" and place < 0.1:
             return Found(-3.5, STAGES[1], "joint_speed")

@@ -35,7 +35,8 @@ def test_the_search_beats_chance_and_names_a_parameter_that_matters(tmp_path: Pa
     assert found.best is not None
     by_chance = []
     for _ in range(10):
-        walks = ({p.key: p.at(rng.uniform()) for p in task.space.parameters} for _ in range(n))
+        numbers = [p for p in task.space.parameters if not p.choices]
+        walks = ({p.key: p.at(rng.uniform()) for p in numbers} for _ in range(n))
         by_chance.append(max(by_formula(task, values).score for values in walks))
     assert found.best.found.score > max(by_chance)
     assert max(found.importance, key=lambda key: found.importance[key]) in BEST
@@ -101,6 +102,9 @@ def test_the_first_walks_lie_about_the_start_gait_and_inside_the_bounds():
     assert walks[0] == task.space.start()
     assert len(walks) == N_SCATTERED
     for parameter in task.space.parameters:
+        if parameter.choices:
+            assert {walk[parameter.key] for walk in walks} <= set(parameter.choices)
+            continue
         values = np.array([float(walk[parameter.key]) for walk in walks])
         assert (values >= parameter.low).all()
         assert (values <= parameter.high).all()
