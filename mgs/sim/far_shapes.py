@@ -36,7 +36,7 @@ class FarShapes:
         """Leave out of contacts what cannot touch the ground within a duration [s]."""
         lowest = self._data.geom_xpos[self._shapes, 2] - self._radius
         near = lowest < self._top + FASTEST * duration
-        if (near == self._near).all():
+        if near.tobytes() == self._near.tobytes():
             return
         self._near = near
         self._model.geom_contype[self._shapes] = near

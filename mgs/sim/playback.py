@@ -151,6 +151,7 @@ class _Log:
         self.engine.place(on_ground(motion.robot, q, floor) if motion.gait.is_balanced else q)
         driven = [self._period() for _ in range(round(duration / motion.dt))]
         self._read()
+        self._refuse_divergence(1)
         torque = np.zeros(motion.robot.n)
         if driven:
             torque = self.driver.torques(driven[-1]).torque.mean(axis=0)
@@ -169,6 +170,7 @@ class _Log:
             self._read()
             if progress is not None:
                 progress(len(self.q) - 1, total)
+        self._refuse_divergence(len(plan))
         torque, limited = self.driver.torques(np.concatenate(driven))
         self.effort.add(torque, limited)
         self.torque.append(torque.reshape(len(plan), self._n_steps, -1).mean(axis=1))
@@ -180,15 +182,18 @@ class _Log:
         return self.driver.drive(position[steps], velocity[steps])
 
     def _read(self) -> None:
-        q = self.engine.read()
-        if not np.isfinite(q).all():
-            t = len(self.q) * self.motion.dt
-            raise DivergenceError(f"the simulation diverged at t = {t:.3f} s; try a smaller step")
-        self.q.append(q)
+        self.q.append(self.engine.read())
         if self.with_contacts:
             self.contacts.append(self.engine.contacts())
         if self.motion.scene.balls:
             self.balls.append(self.engine.balls())
+
+    def _refuse_divergence(self, n: int) -> None:
+        """Raise DivergenceError if one of the last n states is not finite."""
+        lost = np.flatnonzero(~np.isfinite(self.q[-n:]).all(axis=1))
+        if len(lost):
+            t = (len(self.q) - n + int(lost[0])) * self.motion.dt
+            raise DivergenceError(f"the simulation diverged at t = {t:.3f} s; try a smaller step")
 
     def recording(
         self, plan: NDArray[np.intp], soles: Array, up: Array, up_plan: Array
