@@ -35,14 +35,21 @@ if TYPE_CHECKING:
     "--set", "assignments", metavar="KEY=VALUE", multiple=True,
     help="Change of a value of the gait file, e.g. walk.n_steps=30. May be repeated.",
 )  # fmt: skip
+@click.option(
+    "--strict", is_flag=True,
+    help="Exit with code 1 if the motion fails a static check. It is written all the same.",
+)  # fmt: skip
 @force_option
 @json_option
+@click.pass_context
 def generate(
+    ctx: click.Context,
     gait: str,
     output: Path | None,
     robot_name: str | None,
     ik: str | None,
     assignments: tuple[str, ...],
+    strict: bool,
     force: bool,
     as_json: bool,
 ) -> None:
@@ -54,7 +61,8 @@ def generate(
 
     Prints tracking errors of soles, hands and centre of mass (CoM), distances from joint limits and
     from the edge of the support polygon, the distance of the zero-moment point (ZMP) of the whole
-    robot from its plan, and the computing time. Exit code 1 if the robot cannot perform the gait.
+    robot from its plan, the computing time, and each static check of mgs validate that the motion
+    fails. Exit code 1 if the robot cannot perform the gait.
 
     \b
     Examples:
@@ -62,7 +70,9 @@ def generate(
       mgs generate my_walk.yaml -o walk.mcap --set walk.n_steps=30 --set ik.gamma_joint=0
     """  # noqa: D301
     started = time.perf_counter()
+    from mgs.cli.verdict_text import line
     from mgs.core.errors import OutputExistsError
+    from mgs.judge.motion_checks import check_motion
     from mgs.motion_file import write_motion
     from mgs.pipeline.request import request
 
@@ -78,11 +88,15 @@ def generate(
     with_progress("writing", lambda bar: write_motion(motion, path, force=force, progress=bar))
     seconds["write"] = time.perf_counter() - begun
     seconds["total"] = time.perf_counter() - started
-    summary = _summary(path, motion, seconds)
+    failed = [check for check in check_motion(motion) if not check.ok]
     if as_json:
-        print_json(summary)
+        failures = [check.to_dict() for check in failed]
+        print_json(_summary(path, motion, seconds) | {"failed_checks": failures})
     else:
         _print_summary(path, motion, seconds)
+        for check in failed:
+            click.echo(f"  {line(check)}")
+    ctx.exit(1 if failed and strict else 0)
 
 
 def _summary(path: Path, motion: Motion, seconds: dict[str, float]) -> dict[str, object]:

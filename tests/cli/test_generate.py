@@ -477,3 +477,27 @@ def test_a_pick_up_with_a_payload_comes_back_from_its_file(here: Path):
     assert run("generate", "melson/pick_up", *payload, "-o", "a.mcap").exit_code == 0
     assert run("info", "a.mcap").exit_code == 0
     assert run("validate", "a.mcap", "--physics", "none").exit_code == 0
+
+
+# --- static checks ------------------------------------------------------------------------------
+
+TORN = ("--set", "walk.single_support=0.3", "--set", "walk.double_support=0.1")  # torque, ZMP
+
+
+def test_failed_static_checks_are_told_and_only_strict_makes_them_an_error(here: Path):
+    command = ("generate", *SHORT_WALK, *TORN, "-o", "walk.mcap", "--force")
+    told = run(*command)
+    strict = run(*command, "--strict")
+    judged = run("validate", "walk.mcap", "--physics", "none", "--json")
+    failed = [c for c in json.loads(judged.stdout)["checks"] if not c["ok"]]
+    assert failed and judged.exit_code == 1
+    assert told.exit_code == 0 and strict.exit_code == 1
+    for check in failed:
+        assert f"FAIL {check['name']} " in told.stdout
+    as_json = json.loads(run(*command, "--json").stdout)
+    assert as_json["failed_checks"] == failed
+
+
+def test_a_motion_without_fault_passes_strict(here: Path):
+    result = run("generate", *SHORT_WALK, "-o", "walk.mcap", "--strict")
+    assert result.exit_code == 0 and "FAIL" not in result.stdout

@@ -106,3 +106,33 @@ def test_a_gait_may_give_its_com_more_room(melson: Robot, gap: float, ok: bool):
 
 def test_the_com_of_a_walk_has_the_room_it_always_had(walk_5cm: Stages):
     assert check(walk_5cm.motion, "com_position").limit == 2e-4
+
+
+def test_collisions_are_those_that_every_pair_of_shapes_gives(walk_5cm: Stages):
+    """The tree of bounding boxes against all pairs, in random postures that touch or do not."""
+    motion, robot = walk_5cm.motion, walk_5cm.motion.robot
+    rng = np.random.default_rng(3)
+    apart = np.zeros((60, robot.model.nv))
+    apart[:, 6:] = rng.normal(scale=0.3, size=(60, robot.n))
+    data, geometry = robot.model.createData(), robot.geometry.createData()
+    touching = []
+    for v in apart:
+        q = pin.integrate(robot.model, motion.q[0], v)
+        posed = dataclasses.replace(motion, q=np.repeat(q[None], motion.n_samples, axis=0))
+        (check,) = [c for c in check_motion(posed, collision_step=10**6) if "collision" in c.name]
+        touches = pin.computeCollisions(robot.model, data, robot.geometry, geometry, q, False)
+        assert check.ok is not touches
+        touching.append(touches)
+        if touches:
+            pairs = {
+                " and ".join(
+                    robot.model.frames[robot.geometry.geometryObjects[i].parentFrame].name
+                    for i in (pair.first, pair.second)
+                )
+                for pair, result in zip(
+                    robot.geometry.collisionPairs, geometry.collisionResults, strict=True
+                )
+                if result.isCollision()
+            }
+            assert check.where in pairs
+    assert 10 < sum(touching) < 50
