@@ -69,7 +69,8 @@ def away_from_limits_claim(study: Study) -> Claim:
         all(values[name] > values["S1"] and costs[name] < costs["S1"] for name in ("S2", "S3")),
         f"least distance of a joint from its limits, which has to be larger in S2 and S3 than in "
         f"S1; joints: {_joints(found)}. Mean of H_joint, which has to be lower: "
-        f"{show(costs, '', 4).strip()}",
+        f"{show(costs, '', 4).strip()}. In S3 gamma_grav outweighs "
+        "gamma_joint",
         values,
         "Section 6",
         ALL,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mgs.core.contact import Side, Support
 from mgs.experiments.claim import Claim
-from mgs.experiments.melson.runs import Study, Walk, peak
+from mgs.experiments.melson.runs import Study, Walk, peak, peak_time
 from mgs.experiments.melson.text import below, show, show_below
 from mgs.experiments.melson.thresholds import SIGNIFICANT
 
@@ -36,6 +36,11 @@ def _claim(study: Study, joint: str) -> Claim:
     note = f"largest magnitude over the whole motion, as the figure shows it: {show_below(values)}"
     if joint == "knee_pitch":
         note += f"; slightly: by less than {100 * SIGNIFICANT:.0f} %"
+    told = [
+        f"{name} at {peak_time(walk, walk.angles[:, walk.column(Side.LEFT, joint)])}"
+        for name, walk in study.short.items()
+    ]
+    note += f". Peaks: {'; '.join(told)}"
     note += f". Left single support alone: {show(inside, 'deg', 2)}, {show_below(inside)}"
     return Claim(
         f"left_{joint}_position_peak",

@@ -114,6 +114,14 @@ def settings_of(name: str, n_steps: int, variant: Variant) -> tuple[str, ...]:
     return (*settings, *variant.settings)
 
 
+def peak_time(walk: Walk, values: Array) -> str:
+    """Time and phase of the largest magnitude of values (N,), such as "6.41 s, double support"."""
+    k = int(np.nanargmax(np.abs(values)))
+    phase = Support(walk.stages.tasks.support[k]).name.lower()
+    single = "" if phase == "double" else "single "
+    return f"{walk.stages.motion.times[k]:.2f} s, {phase} {single}support"
+
+
 def peak(values: Array) -> float:
     """Largest magnitude of an array."""
     return float(np.abs(values).max())

@@ -6,7 +6,15 @@ import numpy as np
 
 from mgs.core.contact import Side
 from mgs.experiments.claim import Claim
-from mgs.experiments.melson.runs import SHORT, Study, Walks, peak, rms, support_costs
+from mgs.experiments.melson.runs import (
+    SHORT,
+    Study,
+    Walks,
+    peak,
+    peak_time,
+    rms,
+    support_costs,
+)
 from mgs.experiments.melson.text import below, show, show_below
 from mgs.experiments.melson.thresholds import SIGNIFICANT
 
@@ -71,16 +79,20 @@ def _leg_claim(study: Study, side: Side, joint: str, kind: str) -> Claim:
 
 def _whole_claim(study: Study, joint: str) -> Claim:
     words, source, least = _words(joint)
-    values = {
-        name: peak(walk.stages.motion.torque[:, walk.column(Side.LEFT, joint)])
+    torques = {
+        name: walk.stages.motion.torque[:, walk.column(Side.LEFT, joint)]
         for name, walk in study.short.items()
     }
+    values = {name: peak(torque) for name, torque in torques.items()}
+    note = f"{WHOLE}: {show_below(values)}"
+    note += f"; {100 * least:.0f} % needed" if least else ""
+    note += f". The peak of S3 is at {peak_time(study.short['S3'], torques['S3'])}"
     return Claim(
         f"left_{joint}_whole_torque",
         f"{words} (peak over the whole motion, left leg)",
         show(values, "N m"),
         _reduced(values, least),
-        f"{WHOLE}: {show_below(values)}",
+        note,
         values,
         source,
         ALL,

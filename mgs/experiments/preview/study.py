@@ -89,7 +89,7 @@ def solve(progress: Progress | None = None, variant: Variant | None = None) -> S
 
 def one_pass(name: str, variant: Variant) -> tuple[float, float]:
     """Mean distance of the ZMP of the whole robot from its plan [m], before and after one pass."""
-    gait = load_gait(name, ("com.passes=1", "com.zmp_tolerance=1e-9"))
+    gait = load_gait(name, ("com.passes=1", "com.zmp_tolerance=1e-9", "ik.on_limit=record"))
     assert isinstance(gait, WalkGait) and gait.robot is not None
     walk = gait.walk
     settings = []
