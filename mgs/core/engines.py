@@ -45,8 +45,15 @@ def available_engines() -> tuple[EngineName, ...]:
 
 
 def engine_versions() -> dict[str, str]:
-    """Version of each installed engine by name."""
-    return {name: importlib.metadata.version(name) for name in available_engines()}
+    """Version of each installed engine by name; "unknown" where the package does not state it."""
+    return {name: _version(name) for name in available_engines()}
+
+
+def _version(name: str) -> str:
+    try:
+        return importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return "unknown"
 
 
 def missing_engines() -> tuple[MissingEngine, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import platform
 import sys
 
@@ -49,6 +50,15 @@ def test_a_missing_mujoco_is_installed_like_any_package(monkeypatch):
     install(monkeypatch, "pybullet")
     (missing,) = missing_engines()
     assert (missing.engine, missing.remedy) == ("mujoco", "pip install mujoco")
+
+
+def test_an_engine_without_metadata_is_there_all_the_same(monkeypatch):
+    def fail(name: str):
+        raise importlib.metadata.PackageNotFoundError(name)
+
+    install(monkeypatch, "mujoco")
+    monkeypatch.setattr(importlib.metadata, "version", fail)
+    assert engine_versions() == {"mujoco": "unknown"}
 
 
 def test_an_engine_is_installed_or_missing():
