@@ -37,6 +37,7 @@ COMMANDS = {
     "batch": LazyCommand("mgs.cli.batch", "Make a gait library: many variations of one gait."),
     "library": LazyCommand("mgs.cli.library", "Query, export and summarize a gait library."),
     "robot": LazyCommand("mgs.cli.robot", "List, show, check and create robot descriptions."),
+    "gait": LazyCommand("mgs.cli.gait", "List and show the shipped gait files."),
     "experiment": LazyCommand(
         "mgs.cli.experiment", "Repeat the experiments of a paper and test its claims."
     ),
