@@ -143,9 +143,12 @@ class ZmpMarginError(InfeasibleGaitError):
 class IkError(InfeasibleGaitError):
     """No configuration meets a task at one instant."""
 
-    def __init__(self, t: float, task: str, residual: float, tolerance: float, unit: str) -> None:
+    def __init__(
+        self, t: float, task: str, residual: float, tolerance: float, unit: str, cause: str = ""
+    ) -> None:
         super().__init__(
             f"t = {t:.3f} s: {task} is {residual:.3g} {unit} off, {tolerance:.3g} {unit} allowed"
+            f"{'; ' if cause else ''}{cause}"
         )
         self.t, self.task, self.unit = t, task, unit  # time [s]
         self.residual, self.tolerance = residual, tolerance  # in the unit

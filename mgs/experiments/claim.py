@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -55,5 +56,5 @@ class Claim:
             "holds": self.holds,
             "robustness": self.robustness or unknown,
             "note": self.note,
-            "values": dict(self.values),
+            "values": {k: v for k, v in self.values.items() if math.isfinite(v)},
         }

@@ -78,6 +78,23 @@ class FarajiParameters(Model):
         le=1.0,
         description="Smallest distance q_s from the joint limits [rad].",
     )
+    descent: Literal["gauss_newton", "conjugate_gradients"] = Field(
+        "gauss_newton",
+        description="Iterations of ik2. gauss_newton: damped steps of equation (2); "
+        "conjugate_gradients: the same steps as preconditioner of the method of conjugate "
+        "gradients, which the paper names.",
+    )
+    bent_start: bool | None = Field(
+        None,
+        description="Whether the iterations of a sample start with stretched knees and elbows "
+        "slightly bent, in ik2, ik4 and ik5; null: in ik4 and ik5 with more than one iteration.",
+    )
+    reserve: bool = Field(
+        True,
+        description="Whether ik4 and ik5 repeat the last part of the motion with bent knees or "
+        "elbows where a hard task would be missed because a stretched limb cannot bend fast "
+        "enough; false: as in the paper.",
+    )
     posture_weight: float | None = Field(
         None,
         ge=0.0,
@@ -117,11 +134,22 @@ class PrioritizedParameters(Model):
     extraneous: list[PartName] = Field(
         ["torso", "com_z"], description="Tasks of the lowest priority (level E)."
     )
-    null_space: Literal["tracking", "projected"] = Field(
+    null_space: Literal["tracking", "projected", "equation_7", "equation_16", "footnote_3"] = Field(
         "tracking",
         description="Formula for the lower levels, with J_B the Jacobian of level B and N_A the "
         "null-space projector of level A. tracking: (J_B N_A)^+, which meets a lower level exactly "
-        "if this is possible; projected: N_A J_B^+, as in equation (16) of the paper.",
+        "if this is possible; projected: N_A J_B^+, with bounds on levels in conflict and with a "
+        "posture of the redundant joints. Exactly as printed in the paper, without both: "
+        "equation_16; footnote_3, with a damped projector of level E; equation_7, all tasks in one "
+        "level.",
+    )
+    catch_up: float | None = Field(
+        None,
+        gt=0.0,
+        le=100.0,
+        description="Largest rate at which an old task error is reduced [m/s and rad/s]; null: no "
+        "bound, as in the paper. A bound of 0.5 limits the corrected error to 10 mm or 0.01 rad in "
+        "a sample of 10 ms, which slows joints down after a task has long been out of reach.",
     )
     feedback: float = Field(
         0.5,

@@ -21,7 +21,8 @@ small weight.
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+import time
+from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
@@ -32,7 +33,10 @@ from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.core.errors import ConfigError
 from mgs.core.progress import Progress, samples_reported
 from mgs.gait import FarajiParameters, IkParameters
+from mgs.ik_solver.floating.conjugate_gradients import ConjugateGradients
+from mgs.ik_solver.floating.hard_soft_report import FarajiReport
 from mgs.ik_solver.floating.parts import parts_of
+from mgs.ik_solver.floating.reserve import Reserve
 from mgs.ik_solver.floating.safety_region import SafetyRegion
 from mgs.ik_solver.floating.soft_objective import SoftObjective
 from mgs.ik_solver.floating.stretched_joints import stretched_joints
@@ -51,6 +55,8 @@ NEAR_STRETCHED = 0.08  # [rad] distance from a stretched limb within which no it
 MAX_START_ITERATIONS = 200
 ROUNDING = 1e-9  # [rad] by which an interval that ends at a limit may overstep it
 CONVERGED = 1e-7  # [rad] and [m], step at which iterations end
+CONTRADICTED = "no step inside the safety region of the joints meets all hard tasks"
+MISSED = 5e-5  # [m] and [rad], error of a hard row from which on the solver goes back
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,21 +99,8 @@ class FarajiIk:
         run = FarajiRun(self, robot, tasks, com)
         run.start()
         for k in samples_reported(tasks.n_samples, progress):
-            run.step(k)
+            run.advance(k)
         return run.finish()
-
-
-@dataclass(frozen=True)
-class FarajiReport:
-    """How one of the methods fared."""
-
-    hard_error: float  # largest entry of the error of a hard task [m] or [rad]
-    elastic_samples: int  # samples at which hard rows and bounds contradicted each other
-    recovering_samples: int  # samples at which a joint could not reach its safety region
-
-    def to_dict(self) -> dict[str, object]:
-        """The report as plain data."""
-        return asdict(self)
 
 
 class FarajiRun:
@@ -135,12 +128,20 @@ class FarajiRun:
         self.objective = SoftObjective(self.tasks, self.soft, tuning, damping)
         self.H, self.g, self.weights = self.objective.H, self.objective.g, self.objective.weights
         self.A, self.b = self.J_hard, self.E_hard
-        self.region = _safety_region(robot, tuning, tasks.dt)
+        by_gradients = solver.method == 2 and tuning.descent == "conjugate_gradients"
+        self.gradients = ConjugateGradients(damping) if by_gradients else None
+        bent = solver.method >= 4 if tuning.bent_start is None else tuning.bent_start
+        self.is_bent = bent and self.iterations > 1
+        self.region = SafetyRegion.of_robot(robot, tuning, tasks.dt)
         self.stretched, self.stretched_at = stretched_joints(robot)
+        self.inward = np.where(self.region.middle[self.stretched] > self.stretched_at, 1.0, -1.0)
+        has_reserve = tuning.reserve and solver.method >= 4
+        self.reserve = Reserve(tasks.n_samples, tasks.dt) if has_reserve else None
         self.qp = BoundedQp(robot.model.nv, len(self.E_hard))
         self.low, self.high = np.empty(robot.n), np.empty(robot.n)
         self.configurations = np.empty((tasks.n_samples, robot.model.nq))
         self.velocities = np.empty((tasks.n_samples, robot.n)) if solver.method == 2 else None
+        self.counts, self.seconds = np.zeros((2, tasks.n_samples))  # iterations and their time
         self.elastic: list[int] = []
         self.recovering: list[int] = []
 
@@ -186,6 +187,7 @@ class FarajiRun:
         for _ in range(MAX_START_ITERATIONS):
             if self._iterate(0, 0.0, 0.0, None) < CONVERGED:
                 break
+        self.q_start = self.q
 
     def _refuse_margin(self) -> None:
         region, names, joints = self.region, self.robot.joint_names, self.q[FLOATING_BASE_NQ:]
@@ -207,15 +209,41 @@ class FarajiRun:
                 "use a smaller margin",
             )
 
+    def advance(self, k: int) -> None:
+        """Advance to sample k; where a hard task is missed, go back and keep a reserve."""
+        self.step(k)
+        if self.reserve is None or k not in self.elastic[-1:] or not self._misses(k):
+            return
+        first = self.reserve.back_from(k)
+        if first is not None:
+            self.q = self.configurations[first - 1] if first else self.q_start
+            self.elastic = [i for i in self.elastic if i < first]
+            self.recovering = [i for i in self.recovering if i < first]
+            for i in range(first, k + 1):
+                self.advance(i)
+
+    def _misses(self, k: int) -> bool:
+        """Whether a hard row of sample k is missed by too much at q."""
+        self.tasks.update(self.q)
+        self.tasks.error(self.targets.x[k], self.targets.rotations[k], self.error)
+        return bool(np.abs(self.E_hard).max() > MISSED)
+
     def step(self, k: int) -> None:
         """Advance from sample k - 1 to sample k."""
-        q_prev, solver = self.q, self.solver
+        q_prev, solver, started = self.q, self.solver, time.perf_counter()
         if solver.is_bounded:
             if self.region.interval(q_prev[FLOATING_BASE_NQ:], self.low, self.high):
                 self.recovering.append(k)
-            if self.gamma or self.iterations > 1:
-                self._leave_singularity()
-        for _ in range(self.iterations):
+            if self.reserve is not None and self.reserve.bend[k]:
+                low, high = self.low[self.stretched], self.high[self.stretched]
+                self.reserve.apply(k, self.stretched_at, self.inward, low, high)
+                self.low[self.stretched], self.high[self.stretched] = low, high
+        if self.is_bent:
+            self._leave_singularity()
+        if self.gradients is not None:
+            self.gradients.reset()
+        for i in range(self.iterations):
+            self.counts[k] = i + 1
             moved = self._iterate(k, self.gamma, self.gamma_hard, q_prev)
             if moved < CONVERGED:
                 break
@@ -228,21 +256,24 @@ class FarajiRun:
         self.configurations[k] = self.q
         if self.velocities is not None:
             self.velocities[k] = self._second_problem(k)
+        self.seconds[k] = time.perf_counter() - started
 
     def _leave_singularity(self) -> None:
         """Bend stretched limbs first: at a singularity linearised hard rows contradict the bounds.
 
-        A joint near its stretched angle moves to the inner end of its interval.
+        A joint near its stretched angle moves to the inner end of its interval; in ik2, which has
+        no intervals, to a distance of NEAR_STRETCHED.
         """
         off = np.abs(self.q[FLOATING_BASE_NQ:][self.stretched] - self.stretched_at)
         if not (off < NEAR_STRETCHED).any():
             return
         self.q = self.q.copy()
         joints = self.q[FLOATING_BASE_NQ:]
-        for j, angle, distance in zip(self.stretched, self.stretched_at, off, strict=True):
-            if distance < NEAR_STRETCHED:
-                inward = self.region.middle[j] > angle
-                joints[j] = self.high[j] if inward else self.low[j]
+        ends = self.stretched_at + self.inward * NEAR_STRETCHED
+        if self.solver.is_bounded:
+            ends = np.where(self.inward > 0, self.high[self.stretched], self.low[self.stretched])
+        near = off < NEAR_STRETCHED
+        joints[self.stretched[near]] = ends[near]
 
     def _iterate(self, k: int, gamma: float, gamma_hard: float, q_prev: Array | None) -> float:
         """One linearisation about q and one step; its length [rad] and [m]."""
@@ -269,6 +300,8 @@ class FarajiRun:
 
     def _minimiser(self, joints: Array) -> Array:
         """Solution dq (6 + n,) of the quadratic program, from joint angles (n,)."""
+        if self.gradients is not None:
+            return self.gradients.step(self.H, self.g, self.A, self.b)
         if not self.solver.is_bounded:
             return solve_equality(self.H, self.g, self.A, self.b)
         np.subtract(self.low, joints, out=self.qp.low)
@@ -294,22 +327,16 @@ class FarajiRun:
         near = np.clip(joints, self.robot.lower, self.robot.upper)
         np.copyto(joints, near, where=np.abs(near - joints) < ROUNDING)
         if not self.solver.keep:
-            refuse_misses(judged_rows(self.tasks, self.hard), errors, self.dt)
+            causes = dict.fromkeys(self.elastic, CONTRADICTED)
+            rows = judged_rows(self.tasks, self.hard)
+            refuse_misses(rows, errors, self.dt, causes=causes)
             refuse_limits(self.robot, joints, self.dt)
         report = FarajiReport(
             hard_error=float(np.abs(errors[:, : len(self.E_hard)]).max()),
             elastic_samples=len(self.elastic),
             recovering_samples=len(self.recovering),
+            returns=0 if self.reserve is None else self.reserve.returns,
+            iterations=self.counts,
+            seconds=self.seconds,
         )
         return JointTrajectory(joints, self.velocities, report)
-
-
-def _safety_region(robot: Robot, tuning: FarajiParameters, dt: float) -> SafetyRegion:
-    fastest = robot.speed_limit if tuning.speed_max is None else tuning.speed_max
-    return SafetyRegion(
-        robot.lower + tuning.margin,
-        robot.upper - tuning.margin,
-        np.minimum(fastest, robot.speed_limit),
-        dt,
-        tuning.region,
-    )

@@ -24,6 +24,7 @@ level A, and the projected form misses a swing sole in level B. A Newton step th
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -40,6 +41,7 @@ from mgs.gait import IkParameters, PrioritizedParameters
 from mgs.ik_solver.floating.constraints import ConstraintSet, handover_profile, refuse_infeasible
 from mgs.ik_solver.floating.jacobian_rate import JacobianRate
 from mgs.ik_solver.floating.parts import SOLES, Part, parts_of
+from mgs.ik_solver.floating.printed_levels import PRINTED_FORMS, printed_solution
 from mgs.ik_solver.floating.targets import body_targets
 from mgs.ik_solver.floating.tasks import BodyTasks, judged_rows, measure_tasks
 from mgs.ik_solver.joint_trajectory import JointTrajectory
@@ -50,7 +52,6 @@ from mgs.trajectory_planner import TaskTrajectory
 POSTURE_RATE = 1.0  # [1/s] at which redundant joints approach the half-sitting posture
 POSTURE_DAMPING = 10.0  # [1/s] at which they reach that speed in the acceleration form
 CONFLICT_SPEED = 1.0  # [rad/s] and [m/s], largest rate of a level that conflicts with a higher one
-CATCH_UP = 0.5  # [m/s] and [rad/s], largest rate at which a lower level reduces an old error
 CORRECT_ABOVE = 5e-5  # [m] and [rad], error of level A that calls for a Newton step
 MAX_CORRECTIONS = 5  # per sample
 MAX_START_ITERATIONS = 300
@@ -156,6 +157,7 @@ class PrioritizedRun:
         """The levels for every kind of support, and the samples at which the support changes."""
         tuning, size = self.solver.tuning, float(tasks.com_height[0])
         projected = tuning.null_space == "projected"
+        self.printed = next((f for f in PRINTED_FORMS if f == tuning.null_space), None)
         self.support = tasks.support
         self.sets = {
             support: ConstraintSet(self.tasks, levels, projected, size, swing)
@@ -175,8 +177,9 @@ class PrioritizedRun:
             is_sole[self.tasks.rows[sole]] = True
         self.kp = np.where(is_sole, kappa, kappa**2) / self.dt**2
         self.kd = np.where(is_sole, 1.0, 1.0 - (1.0 - kappa) ** 2) / self.dt
-        # A task that has long been out of reach must not rush when it can be met again.
-        self.largest = CATCH_UP * self.dt / kappa
+        # A task that has long been out of reach need not rush when it can be met again.
+        catch_up = self.solver.tuning.catch_up
+        self.largest = np.inf if catch_up is None else catch_up * self.dt / kappa
         self.posture_damping = min(POSTURE_DAMPING, 0.5 / self.dt)
         self.bound = CONFLICT_SPEED * (self.posture_damping if acceleration else 1.0)
         # Below this lag a level in conflict could ask for more than the fastest joint can do.
@@ -203,7 +206,8 @@ class PrioritizedRun:
 
     def step(self, k: int) -> None:
         """Advance from sample k - 1, at which the tasks have been measured, to sample k."""
-        np.clip(self.error, -self.largest, self.largest, out=self.error)
+        if self.largest < np.inf:
+            np.clip(self.error, -self.largest, self.largest, out=self.error)
         if self.solver.acceleration:
             self._set_accelerations(k)
             self.v += self.dt * self._blend(k)
@@ -215,7 +219,8 @@ class PrioritizedRun:
             self.v = self._blend(k)
         self.q = pin.integrate(self.robot.model, self.q, self.dt * self.v)
         self._measure(k)
-        self._correct(k)
+        if self.printed is None:
+            self._correct(k)
         self.configurations[k] = self.q
         if k in self.phase_starts:
             self._check_phase(k)
@@ -267,6 +272,14 @@ class PrioritizedRun:
 
     def _blend(self, k: int) -> Array:
         """Solution (6 + n,) of the constraints at sample k, a blend of two sets in a handover."""
+        if self.printed is not None:
+            levels = self.sets[Support(self.support[k])]
+            return self._or_refuse(
+                k,
+                lambda: printed_solution(
+                    self.printed, self.tasks.J[levels.index], self.rates[levels.index], levels.rows
+                ),
+            )
         factor = float(self.handover[k])
         both, single = self.sets[Support.DOUBLE], self.sets[Support(self.support[k])]
         if factor == 0.0 or single is both:
@@ -278,10 +291,17 @@ class PrioritizedRun:
         return v
 
     def _solve(self, chosen: ConstraintSet, k: int, rates: Array) -> Array:
-        try:
-            return chosen.solve(
+        return self._or_refuse(
+            k,
+            lambda: chosen.solve(
                 self.tasks.J, rates, self.error, self.free, self.bound, self.least_behind
-            )
+            ),
+        )
+
+    def _or_refuse(self, k: int, solve: Callable[[], Array]) -> Array:
+        """Result of a solver of the levels; raises InfeasibleGaitError where it has none."""
+        try:
+            return solve()
         except np.linalg.LinAlgError as error:
             # the motion has most likely left its tasks before: name the first one
             self._refuse_misses(self.configurations[:k])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,7 +37,13 @@ def turn_rows(name: str, rows: slice) -> TaskRows:
     return TaskRows(f"{name} orientation", rows, ROTATION_TOLERANCE, "rad")
 
 
-def refuse_misses(tasks: Sequence[TaskRows], errors: Array, dt: float, start: int = 0) -> None:
+def refuse_misses(
+    tasks: Sequence[TaskRows],
+    errors: Array,
+    dt: float,
+    start: int = 0,
+    causes: Mapping[int, str] | None = None,
+) -> None:
     """Raise IkError at the first sample where a task is missed, for the task missed by most.
 
     Args:
@@ -45,6 +51,7 @@ def refuse_misses(tasks: Sequence[TaskRows], errors: Array, dt: float, start: in
         errors: (N, m) target minus actual; an error that is not finite counts as a miss.
         dt: sampling period [s].
         start: sample of the motion that the first row belongs to.
+        causes: causes of misses at some samples, for the message.
     """
     sizes = np.stack([task.sizes(errors) for task in tasks], axis=1)
     ratios = sizes / np.array([task.tolerance for task in tasks])
@@ -53,9 +60,8 @@ def refuse_misses(tasks: Sequence[TaskRows], errors: Array, dt: float, start: in
         k = int(missed[0])
         worst = int(np.argmax(np.nan_to_num(ratios[k], nan=np.inf)))
         task = tasks[worst]
-        raise IkError(
-            (start + k) * dt, task.name, float(sizes[k, worst]), task.tolerance, task.unit
-        )
+        size, cause = float(sizes[k, worst]), (causes or {}).get(start + k, "")
+        raise IkError((start + k) * dt, task.name, size, task.tolerance, task.unit, cause)
 
 
 def refuse_limits(robot: Robot, joints: Array, dt: float, start: int = 0) -> None:

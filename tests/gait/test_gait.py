@@ -164,6 +164,9 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
                 "region": "ellipse",
                 "speed_max": None,
                 "margin": 0.0,
+                "descent": "gauss_newton",
+                "bent_start": None,
+                "reserve": True,
                 "posture_weight": None,
             },
             "prioritized": {
@@ -171,6 +174,7 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
                 "functional": ["hands"],
                 "extraneous": ["torso", "com_z"],
                 "null_space": "tracking",
+                "catch_up": None,
                 "feedback": 0.5,
                 "handover": 0.1,
             },

@@ -22,8 +22,9 @@ from mgs.core.contact import Side, Support
 from mgs.core.errors import ConfigError, IkError, JointLimitError
 from mgs.gait import BalanceGait, FarajiParameters, Gait, IkParameters
 from mgs.ik_solver import solve_ik
+from mgs.ik_solver.floating.hard_soft_report import FarajiReport
 from mgs.ik_solver.floating.tasks import measure_tasks
-from mgs.ik_solver.hard_soft import FarajiIk, FarajiReport, FarajiRun
+from mgs.ik_solver.hard_soft import FarajiIk, FarajiRun
 from mgs.ik_solver.qp import kkt_residual
 from mgs.motion_planner import plan_motion
 from mgs.pipeline import first_com

@@ -1,4 +1,4 @@
-"""Runs of the experiments of Faraji and Ijspeert, and measurements on them; see the package."""
+"""Runs of the experiments of Faraji and Ijspeert; see the package."""
 
 from __future__ import annotations
 
@@ -8,12 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from mgs.core.arrays import Array
-from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
+from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.core.progress import Progress
 from mgs.experiments.variant import BASE, Variant
 from mgs.gait import BalanceGait, load_gait
-from mgs.ik_solver.floating.safety_region import SafetyRegion
-from mgs.ik_solver.hard_soft import FarajiReport
 from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, load_robot
 
@@ -36,6 +34,7 @@ PAPER: dict[str, tuple[str, ...]] = {
     STRETCHED: ("balance.com_height=0.5197", f"balance.channels=[{_SINE}]"),
     TILTING: ("balance.com_height=0.5197", f"balance.channels=[{_SINE}, {_TILT}]"),
 }
+DURATIONS = {SQUAT: 5.0, STRETCHED: 5.0, TILTING: 5.0, LEAN: 7.0, TWIST: 7.0, SWAY: 7.0}  # [s]
 CROUCHES = (
     0.02,
     -0.02,
@@ -46,9 +45,8 @@ CROUCHES = (
     -0.13,
 )  # [m] relative to Z_MAX; the first one is out of reach
 SLOWER = 10  # factor of slowing down, for a motion without lag
+RESERVES = ("", ", reserve")
 FINE_DT = 0.002  # [s] sampling period of task A
-BENT_DEG = 15.0  # [deg] knee angle from which on the knee has left the stretched posture
-WELL_BENT_DEG = 30.0  # [deg] knee angle from which on the knee returns to its reference
 
 
 @dataclass(frozen=True)
@@ -58,7 +56,7 @@ class Key:
     gait: str
     method: str
     n: int = MANY
-    variant: str = ""  # key of VARIANTS, or a height for SWAY
+    variant: str = ""  # key of SETTINGS; for SWAY also a height, or a height and such a key
 
     @property
     def label(self) -> str:
@@ -66,15 +64,29 @@ class Key:
         return f"{self.method}, n = {self.n}" if self.method in ITERATED else self.method
 
 
-VARIANTS = {
+BENT, GRADIENTS = "ik.faraji.bent_start=true", "ik.faraji.descent=conjugate_gradients"
+EQUAL, WEIGHTED = "ik.faraji.soft.com=[1, 1, 1]", "ik.faraji.soft.com=[100, 100, 1]"
+SETTINGS: dict[str, tuple[str, ...]] = {  # of the variants of a run
     "": (),
     "fine": (f"dt={FINE_DT}",),
+    "5 ms": ("dt=0.005",),
+    "2 ms": ("dt=0.002",),
+    "5 ms, reserve": ("dt=0.005", "ik.faraji.reserve=true"),
+    "2 ms, reserve": ("dt=0.002", "ik.faraji.reserve=true"),
+    "fine, gradients": (f"dt={FINE_DT}", GRADIENTS),
+    "bent": (BENT,),
+    "gradients": (GRADIENTS,),
+    "gradients, bent": (GRADIENTS, BENT),
     "polygon": ("ik.faraji.region=polygon",),
     "gamma 0": ("ik.faraji.gamma=0",),
-    "equal weights": ("ik.faraji.soft.com=[1.0, 1.0, 1.0]",),
-    "slow": ("dt=0.1", "balance.duration=110.0", "balance.rest=5.0", "balance.ease=10.0"),
+    "gamma 100": ("ik.faraji.gamma=100",),
+    "gamma 100, fast": ("ik.faraji.gamma=100",),
+    "weighted": (WEIGHTED,),
+    "slow": ("dt=0.1", "balance.duration=70.0", "balance.rest=5.0", "balance.ease=10.0"),
     "quiet": (),
+    "quiet, weighted": (WEIGHTED,),
 }
+FASTER = 2.0  # factor of the frequencies of the variant "fast"
 SIMULATED = (
     "ik.faraji.margin=0",
     "ik.faraji.speed_max=4.0",
@@ -149,12 +161,24 @@ def methods(names: Iterable[str] = ("ik1", "ik2", "ik3", "ik4", "ik5")) -> list[
 
 def all_keys() -> list[Key]:
     """Keys of all runs, in the order of the tasks."""
-    keys = [Key(SQUAT, m, n, variant) for variant in ("fine", "") for m, n in methods()]
-    keys += [Key(gait, m, n) for gait in (STRETCHED, TILTING, LEAN, TWIST) for m, n in methods()]
-    keys += [Key(LEAN, "ik4", MANY, "equal weights"), Key(LEAN, "ik2", MANY, "equal weights")]
+    keys = [Key(SQUAT, m, n, "fine") for m, n in methods()]
+    keys += [Key(SQUAT, "ik2", n, "fine, gradients") for n in (MANY, FEW)]
+    keys += [Key(SQUAT, m, MANY) for m in ("ik1", "ik2", "ik4", "ik5")]
+    keys += [Key(gait, m, n) for gait in (STRETCHED, TILTING) for m, n in methods()]
+    for gait in (STRETCHED, TILTING):
+        for variant in ("bent", "gradients", "gradients, bent"):
+            keys += [Key(gait, "ik2", n, variant) for n in (MANY, FEW)]
+    keys += [Key(TILTING, "ik4", MANY, f"{dt} ms{more}") for dt in "52" for more in RESERVES]
+    keys += [Key(gait, m) for gait in (LEAN, TWIST) for m, n in methods() if n == MANY]
+    keys += [Key(gait, f"ik{i}", MANY, "weighted") for gait in (LEAN, TWIST) for i in (1, 2, 3, 4)]
     keys += [Key(STRETCHED, "ik4", MANY, variant) for variant in ("polygon", "gamma 0")]
+    keys += [
+        Key(STRETCHED, m, MANY, f"gamma 100{x}") for m in ("ik4", "ik5") for x in ("", ", fast")
+    ]
     keys += [Key(SWAY, "ik4", FEW, f"{height:g}") for height in CROUCHES]
-    keys += [Key(SWAY, "ik4", FEW, "quiet"), Key(TWIST, "ik4", MANY, "slow")]
+    keys += [Key(SWAY, "ik4", FEW, f"{CROUCHES[i]:g}, weighted") for i in (0, -1)]
+    keys += [Key(SWAY, "ik4", FEW, variant) for variant in ("quiet", "quiet, weighted")]
+    keys += [Key(TWIST, "ik4", MANY, "slow")]
     return keys
 
 
@@ -165,129 +189,58 @@ def solve(progress: Progress | None = None, variant: Variant | None = None) -> S
     runs: dict[Key, Run] = {}
     keys = all_keys()
     for i, key in enumerate(keys):
-        runs[key] = run_one(robot, key, variant.settings)
+        runs[key] = run_one(robot, key, variant)
         if progress is not None:
             progress(i + 1, len(keys))
     return Study(robot, runs)
 
 
-def run_one(robot: Robot, key: Key, settings: tuple[str, ...] = ()) -> Run:
+def run_one(robot: Robot, key: Key, variant: Variant = BASE) -> Run:
     """Generate one run; missed tasks are recorded instead of refused."""
-    gait = gait_of(key, settings)
+    gait = gait_of(key, variant)
     stages = run_stages(robot, gait, f"{ROBOT}/{key.gait}")
     ends = gait.balance.rest + gait.balance.ease
     first, last = round(ends / gait.dt), round((gait.balance.duration - ends) / gait.dt)
     return Run(stages, slice(first, last + 1))
 
 
-def gait_of(key: Key, more: tuple[str, ...] = ()) -> BalanceGait:
-    """Gait of the run with a key, with more settings."""
+def gait_of(key: Key, variant: Variant = BASE) -> BalanceGait:
+    """Gait of the run with a key, in a variant of the experiment."""
+    height, _, rest = key.variant.partition(", ")
+    is_height = key.gait == SWAY and height != "quiet"
     settings = [
         *PAPER.get(key.gait, ()),
         f"ik.solver={key.method}",
         f"ik.iterations={key.n}",
         "ik.on_limit=record",
+        "ik.faraji.reserve=false",  # the reserve is ours
+        EQUAL,
+        f"balance.duration={DURATIONS[key.gait]}",
+        *(() if key.gait == SWAY else SIMULATED),
+        *variant.settings,
+        *SETTINGS[rest if is_height else key.variant],
     ]
-    settings += VARIANTS.get(key.variant, ())
-    if key.gait != SWAY:
-        settings += SIMULATED
-    elif key.variant not in VARIANTS:
-        settings.append(f"balance.com_height={Z_MAX + float(key.variant)}")
-    gait = load_gait(f"{ROBOT}/{key.gait}", (*settings, *more))
+    if is_height:
+        settings.append(f"balance.com_height={Z_MAX + float(height)}")
+    gait = load_gait(f"{ROBOT}/{key.gait}", tuple(settings))
     assert isinstance(gait, BalanceGait)
+    speed = variant.speed * (FASTER if key.variant.endswith("fast") else 1.0)
     if key.variant == "slow":
-        return _rescaled(gait, 1.0 / SLOWER)
-    return _rescaled(gait, 0.0) if key.variant == "quiet" else gait
+        speed /= SLOWER
+    still = key.variant.startswith("quiet")
+    return _rescaled(gait, 0.0 if still else variant.amplitude, speed)
 
 
-def _rescaled(gait: BalanceGait, factor: float) -> BalanceGait:
-    """Channels slowed down by a factor; for a factor of 0 only the height remains."""
-    channels = []
-    for channel in gait.balance.channels:
-        field = "frequency" if factor else "amplitude"
-        value = getattr(channel, field) * factor
-        channels.append(channel.model_copy(update={field: value}))
+def _rescaled(gait: BalanceGait, amplitude: float, speed: float) -> BalanceGait:
+    """Channels with amplitudes and frequencies multiplied by factors."""
+    channels = [
+        channel.model_copy(
+            update={
+                "amplitude": amplitude * channel.amplitude,
+                "frequency": speed * channel.frequency,
+            }
+        )
+        for channel in gait.balance.channels
+    ]
     balance = gait.balance.model_copy(update={"channels": channels})
     return gait.model_copy(update={"balance": balance})
-
-
-def region_excess(study: Study, run: Run) -> float:
-    """Largest violation of joint limits [rad] or safety region [-]; 0 or less if there is none."""
-    gait = run.stages.gait
-    tuning = gait.ik.faraji
-    robot, joints = study.robot, run.joints
-    assert tuning.speed_max is not None
-    speed = np.minimum(tuning.speed_max, robot.speed_limit)
-    region = SafetyRegion(robot.lower, robot.upper, speed, run.dt, tuning.region)
-    outside = np.maximum(robot.lower - joints, joints - robot.upper).max()
-    return float(max(region.excess(joints[:-1], joints[1:]).max(), outside))
-
-
-def limit_excess_deg(run: Run, robot: Robot, joints: list[int]) -> float:
-    """Largest violation of the limits of some joints [deg]; negative: least distance from them."""
-    angles = run.joints[run.window][:, joints]
-    excess = np.maximum(robot.lower[joints] - angles, angles - robot.upper[joints])
-    return float(np.degrees(excess.max()))
-
-
-def hard_error(run: Run) -> float:
-    """Largest error of a hard row [m] or [rad], as reported by the solver."""
-    return report_of(run).hard_error
-
-
-def report_of(run: Run) -> FarajiReport:
-    """The report of the solver."""
-    return run.stages.joints.report_of(FarajiReport)
-
-
-def escape_delay(study: Study, run: Run, bent_deg: float = BENT_DEG) -> float:
-    """Mean delay [s] with which a knee reaches an angle after it was stretched.
-
-    The delay is relative to the reference: an exact solution has this angle when the reference
-    falls to the CoM height that belongs to the angle.
-    """
-    knee = run.joints[:, study.joint("KneeSag")[0]]
-    bent = np.deg2rad(bent_deg)
-    height, wanted = _height_of_knee(run, knee, bent), run.stages.motion.com_ref[:, 2]
-    delays = []
-    for k in range(run.window.start + 1, run.window.stop):
-        later = np.flatnonzero(knee[k:] >= bent)
-        if wanted[k - 1] > height >= wanted[k] and len(later):
-            delays.append(later[0] * run.dt)
-    return float(np.mean(delays))
-
-
-def _height_of_knee(run: Run, knee: Array, angle: float) -> float:
-    """CoM height [m] at which the knee has an angle, interpolated from the samples of the run."""
-    z, angles = run.stages.motion.com[run.window, 2], knee[run.window]
-    order = np.argsort(angles)
-    return float(np.interp(angle, angles[order], z[order]))
-
-
-def rejoining_acceleration(study: Study, run: Run) -> float:
-    """Largest acceleration of a well-bent knee on its way back to the reference [rad/s^2]."""
-    knees = study.joint("KneeSag")
-    bent = run.joints[run.window][1:-1, knees] > np.deg2rad(WELL_BENT_DEG)
-    return float(np.abs(run.accelerations()[:, knees][bent]).max())
-
-
-def knee_torque(study: Study, run: Run) -> float:
-    """Mean magnitude [N m] of both knee torques in the window."""
-    return float(np.abs(run.stages.motion.torque[run.window][:, study.joint("KneeSag")]).mean())
-
-
-def knee_difference_deg(study: Study, run: Run) -> float:
-    """Largest difference between the two knee angles in the window [deg]."""
-    left, right = study.joint("KneeSag")
-    angles = run.joints[run.window]
-    return float(np.degrees(np.abs(angles[:, left] - angles[:, right]).max()))
-
-
-def power(run: Run) -> tuple[float, float]:
-    """Mean values of sum |tau qdot| [W] and sum tau^2 [(N m)^2] in the window."""
-    motion = run.stages.motion
-    torque, speed = motion.torque[run.window], motion.v[run.window, FLOATING_BASE_NV:]
-    return (
-        float(np.mean(np.sum(np.abs(torque * speed), axis=1))),
-        float(np.mean(np.sum(torque**2, axis=1))),
-    )

@@ -7,6 +7,7 @@ J_C (k, 6 + n) is the Jacobian of the constraints, J_C^b (k, 6) its base part, J
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
@@ -108,6 +109,8 @@ class ConstraintSet:
 
     Attributes:
         critical: (m,) rows of the tasks in level A.
+        index: (m,) rows of all tasks, in the order of the levels.
+        rows: rows of the levels A, B and E in that order.
     """
 
     def __init__(
@@ -130,6 +133,8 @@ class ConstraintSet:
         self.index = np.concatenate(chosen)
         self.critical = chosen[0]
         nv = tasks.J.shape[1]
+        ends = np.cumsum([0, *map(len, chosen)]).tolist()
+        self.rows = [slice(start, stop) for start, stop in itertools.pairwise(ends)]
         self.levels = PriorityLevels([len(rows) for rows in chosen], nv, size, projected)
         self.J = np.empty((tasks.m, nv))
         self.rates, self.error = np.empty(tasks.m), np.empty(tasks.m)

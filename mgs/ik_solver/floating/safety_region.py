@@ -25,6 +25,8 @@ from typing import Literal
 import numpy as np
 
 from mgs.core.arrays import Array
+from mgs.gait import FarajiParameters
+from mgs.robot import Robot
 
 POLYGON_SPEED = 0.02  # [rad/s] allowed at a limit; at 0 a joint could never leave the limit again
 
@@ -55,6 +57,18 @@ class SafetyRegion:
         self._shift, self._weight = a * self.middle / self._sum, b / self._sum
         self._square = np.empty_like(lower)
         self._slope = 4.0 * speed_max / (upper - lower)  # [1/s] of the polygon's edges
+
+    @classmethod
+    def of_robot(cls, robot: Robot, tuning: FarajiParameters, dt: float) -> SafetyRegion:
+        """Region of the joints of a robot with the settings of ik3 to ik5."""
+        fastest = robot.speed_limit if tuning.speed_max is None else tuning.speed_max
+        return cls(
+            robot.lower + tuning.margin,
+            robot.upper - tuning.margin,
+            np.minimum(fastest, robot.speed_limit),
+            dt,
+            tuning.region,
+        )
 
     def interval(self, q_prev: Array, low: Array, high: Array) -> int:
         """Fill low and high (n,) with the interval of each joint one step after q_prev (n,).
