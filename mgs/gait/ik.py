@@ -144,12 +144,13 @@ class PrioritizedParameters(Model):
         "level.",
     )
     catch_up: float | None = Field(
-        None,
+        0.5,
         gt=0.0,
         le=100.0,
-        description="Largest rate at which an old task error is reduced [m/s and rad/s]; null: no "
-        "bound, as in the paper. A bound of 0.5 limits the corrected error to 10 mm or 0.01 rad in "
-        "a sample of 10 ms, which slows joints down after a task has long been out of reach.",
+        description="Largest rate at which an old task error is reduced [m/s and rad/s], in the "
+        "forms tracking and projected; null: no bound. A bound of 0.5 clips the error that is "
+        "corrected in a sample of 10 ms to 10 mm or 0.01 rad, so that joints do not rush when a "
+        "task that was out of reach can be met again.",
     )
     feedback: float = Field(
         0.5,

@@ -230,7 +230,7 @@ class FarajiRun:
 
     def step(self, k: int) -> None:
         """Advance from sample k - 1 to sample k."""
-        q_prev, solver, started = self.q, self.solver, time.perf_counter()
+        q_prev, solver, started = self.q, self.solver, time.thread_time()
         if solver.is_bounded:
             if self.region.interval(q_prev[FLOATING_BASE_NQ:], self.low, self.high):
                 self.recovering.append(k)
@@ -256,7 +256,7 @@ class FarajiRun:
         self.configurations[k] = self.q
         if self.velocities is not None:
             self.velocities[k] = self._second_problem(k)
-        self.seconds[k] = time.perf_counter() - started
+        self.seconds[k] = time.thread_time() - started
 
     def _leave_singularity(self) -> None:
         """Bend stretched limbs first: at a singularity linearised hard rows contradict the bounds.

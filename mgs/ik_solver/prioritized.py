@@ -178,7 +178,7 @@ class PrioritizedRun:
         self.kp = np.where(is_sole, kappa, kappa**2) / self.dt**2
         self.kd = np.where(is_sole, 1.0, 1.0 - (1.0 - kappa) ** 2) / self.dt
         # A task that has long been out of reach need not rush when it can be met again.
-        catch_up = self.solver.tuning.catch_up
+        catch_up = self.solver.tuning.catch_up if self.printed is None else None
         self.largest = np.inf if catch_up is None else catch_up * self.dt / kappa
         self.posture_damping = min(POSTURE_DAMPING, 0.5 / self.dt)
         self.bound = CONFLICT_SPEED * (self.posture_damping if acceleration else 1.0)
@@ -272,13 +272,12 @@ class PrioritizedRun:
 
     def _blend(self, k: int) -> Array:
         """Solution (6 + n,) of the constraints at sample k, a blend of two sets in a handover."""
-        if self.printed is not None:
-            levels = self.sets[Support(self.support[k])]
+        form = self.printed
+        if form is not None:
+            levels, J, rates = self.sets[Support(self.support[k])], self.tasks.J, self.rates
+            chosen = levels.index
             return self._or_refuse(
-                k,
-                lambda: printed_solution(
-                    self.printed, self.tasks.J[levels.index], self.rates[levels.index], levels.rows
-                ),
+                k, lambda: printed_solution(form, J[chosen], rates[chosen], levels.rows)
             )
         factor = float(self.handover[k])
         both, single = self.sets[Support.DOUBLE], self.sets[Support(self.support[k])]

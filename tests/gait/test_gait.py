@@ -174,7 +174,7 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
                 "functional": ["hands"],
                 "extraneous": ["torso", "com_z"],
                 "null_space": "tracking",
-                "catch_up": None,
+                "catch_up": 0.5,
                 "feedback": 0.5,
                 "handover": 0.1,
             },

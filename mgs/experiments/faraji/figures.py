@@ -1,4 +1,4 @@
-"""Figures of the experiments of Faraji and Ijspeert, similar to figures 1 to 7 of the paper."""
+"""Figures 1 to 7 of Faraji and Ijspeert, and figure 1 of their abstract, from our runs."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from pathlib import Path
 import numpy as np
 
 from mgs.core.arrays import Array
+from mgs.experiments.faraji.electric import fitted_line
+from mgs.experiments.faraji.measures import report_of
+from mgs.experiments.faraji.power_claims import crouch_deg, power_above_quiet, sway_runs
+from mgs.experiments.faraji.region_figures import plot_current, plot_region
 from mgs.experiments.faraji.runs import (
-    BENT_DEG,
-    CROUCHES,
     FEW,
     LEAN,
     MANY,
     SQUAT,
     STRETCHED,
-    SWAY,
     TILTING,
     TWIST,
     Key,
     Run,
     Study,
-    power,
 )
 from mgs.report.canvas import (
     BLACK,
@@ -37,16 +37,16 @@ from mgs.report.canvas import (
 from mgs.report.panels import Line, Panel, draw_panels
 
 NAMES = (
-    "A_squat",
-    "B_heights_and_knees",
-    "B_torque",
-    "C_heights_and_knees",
-    "D_lean",
-    "EF_phase_plane",
-    "G_power",
-    "H_twist",
+    "fig1_squat",
+    "fig2_singular",
+    "fig3_asymmetric",
+    "fig4_lean",
+    "fig5_region",
+    "fig6_current",
+    "fig7_power",
+    "abstract_fig1_twist",
 )
-MM = 1e3
+MM, US = 1e3, 1e6
 LOOKS = {  # colour and line width; wide lines stay visible below others
     "ik1": (ORANGE, 2.6),
     "ik2": (PURPLE, 1.4),
@@ -54,20 +54,20 @@ LOOKS = {  # colour and line width; wide lines stay visible below others
     "ik4": (BLACK, 1.5),
     "ik5": (GREEN, 1.2),
 }
-SPEED_MAX = 4.0  # [rad/s] range of the speed axis
+FILTER = 0.1  # [s] over which computing times are filtered
 
 
 def write_figures(study: Study, folder: Path, *, force: bool) -> list[Path]:
     """Write all figures into a folder."""
     figures = {
-        "A_squat": plot_squat(study),
-        "B_heights_and_knees": plot_heights_and_knees(study, STRETCHED, (2.0, 5.0)),
-        "B_torque": plot_torque(study),
-        "C_heights_and_knees": plot_heights_and_knees(study, TILTING, (1.5, 5.5)),
-        "D_lean": plot_lean(study),
-        "EF_phase_plane": plot_phase_plane(study),
-        "G_power": plot_power(study),
-        "H_twist": plot_twist(study),
+        "fig1_squat": plot_squat(study),
+        "fig2_singular": plot_singular(study, STRETCHED, "2: squat above reach", (1.5, 3.5)),
+        "fig3_asymmetric": plot_singular(study, TILTING, "3: with torso roll, pitch", (1.5, 3.5)),
+        "fig4_lean": plot_lean(study),
+        "fig5_region": plot_region(study),
+        "fig6_current": plot_current(study),
+        "fig7_power": plot_power(study),
+        "abstract_fig1_twist": plot_twist(study),
     }
     return save_figures(figures, folder, force=force)
 
@@ -81,143 +81,101 @@ def _line(run: Run, y: Array, method: str) -> Line:
     return Line(run.times[run.window][: len(y)], y, method, colour, width=width)
 
 
+def _times(run: Run, method: str) -> Line:
+    """Time of a solve [us] over the samples, as the median of FILTER seconds."""
+    seconds = report_of(run).seconds
+    half = max(1, round(0.5 * FILTER / run.dt))
+    k = np.arange(run.window.start, run.window.stop)
+    around = np.clip(k[:, None] + np.arange(-half, half + 1), 0, len(seconds) - 1)
+    return _line(run, US * np.median(seconds[around], axis=1), method)
+
+
 def plot_squat(study: Study) -> Figure:
-    """Draw task A: CoM error, error of its derivative, and time per solve."""
+    """Draw figure 1: CoM error, error of its derivative, and time of a solve."""
     panels: list[Panel | None] = []
-    rows = ("error [mm]", "derivative error [mm/s]")
-    for row in rows:
+    for name in ("error [mm]", "derivative error [mm/s]", "time of a solve [us]"):
         for n in (MANY, FEW):
             lines = []
             for method in _methods(n):
                 run = study[Key(SQUAT, method, n, "fine")]
-                error = run.com_error() if row == rows[0] else run.com_velocity_error()
+                if name.startswith("time"):
+                    lines.append(_times(run, method))
+                    continue
+                error = run.com_error() if name.startswith("error") else run.com_velocity_error()
                 lines.append(_line(run, MM * np.linalg.norm(error, axis=1), method))
-            title = f"CoM of the squat, n = {n}" if row == rows[0] else ""
-            panels.append(Panel(tuple(lines), row, title, xlim=(2.0, 4.0), logarithmic=True))
-    for n in (MANY, FEW):
-        times = [1e6 * study[Key(SQUAT, m, n, "fine")].seconds_per_solve for m in _methods(n)]
-        x = np.array([float(m.removeprefix("ik")) for m in _methods(n)])
-        panels.append(
-            Panel(
-                (Line(x, np.array(times), "", BLACK, "", marker="o"),),
-                "mean time [us]",
-                "a solve",
-                xlabel="method ik",
-            )
-        )
-    return draw_panels(panels, columns=2, height=2.0, caption="dt 0.002 s")
+            title = f"Fig. 1: squat, n = {n}" if name.startswith("error") else ""
+            panels.append(Panel(tuple(lines), name, title, xlim=(1.5, 3.5), logarithmic=True))
+    return draw_panels(panels, columns=2, height=2.0, caption="dt 0.002 s; CoM")
 
 
-def plot_heights_and_knees(study: Study, gait: str, span: tuple[float, float]) -> Figure:
-    """Draw tasks B and C: height of the CoM and knee angles, with n = 15 and n = 3."""
-    left, right = study.joint("KneeSag")
-    panels: list[Panel | None] = []
-    heights, knees = [], []
+def plot_singular(study: Study, gait: str, title: str, span: tuple[float, float]) -> Figure:
+    """Draw figures 2 and 3: height of the CoM, knee angles and time of a solve."""
+    knees = study.joint("KneeSag")[: 1 if gait == STRETCHED else 2]
+    rows: list[list[Panel | None]] = [[], [], []]
     for n in (MANY, FEW):
         runs = {m: study[Key(gait, m, n)] for m in _methods(n)}
         some = runs["ik4"]
         wanted = MM * some.stages.motion.com_ref[some.window, 2]
-        lines = [_line(r, MM * r.stages.motion.com[r.window, 2], m) for m, r in runs.items()]
-        lines.append(Line(some.times[some.window], wanted, "reference", VERMILION, "--", width=1.0))
-        heights.append(
-            Panel(tuple(lines), "CoM height [mm]", f"{gait}, n = {n}", xlim=span, ylim=(440, 580))
-        )
+        heights = [_line(r, MM * r.stages.motion.com[r.window, 2], m) for m, r in runs.items()]
+        times = some.times[some.window]
+        heights.append(Line(times, wanted, "reference", VERMILION, "--", width=1.0))
+        name = f"Fig. {title}, n = {n}"
+        rows[0].append(Panel(tuple(heights), "CoM height [mm]", name, xlim=span, ylim=(440, 580)))
         angles = []
         for m, r in runs.items():
-            for j, style in ((left, "-"), (right, ":"))[: 1 if gait == STRETCHED else 2]:
+            for j, style in zip(knees, ("-", ":"), strict=False):
                 y = np.degrees(r.joints[r.window, j])
                 colour, width = LOOKS[m]
                 label = m if style == "-" else ""
                 angles.append(Line(r.times[r.window], y, label, colour, style, width=width))
         note = "" if gait == STRETCHED else "dotted: right knee"
-        knees.append(Panel(tuple(angles), "knee [deg]", xlim=span, ylim=(-40.0, 100.0), note=note))
-    panels += [*heights, *knees]
-    return draw_panels(panels, columns=2, height=2.5)
-
-
-def plot_torque(study: Study) -> Figure:
-    """Draw task B: torque of the left knee with gamma = 10 and gamma = 0."""
-    knee = study.joint("KneeSag")[0]
-    torques, angles = [], []
-    for label, variant, colour in (("gamma 10", "", BLACK), ("gamma 0", "gamma 0", VERMILION)):
-        run = study[Key(STRETCHED, "ik4", MANY, variant)]
-        t = run.times[run.window]
-        torques.append(Line(t, run.stages.motion.torque[run.window, knee], label, colour))
-        angles.append(Line(t, np.degrees(run.joints[run.window, knee]), label, colour))
-    return draw_panels(
-        [
-            Panel(tuple(torques), "torque [N m]", "left knee, ik4, squat above reach", xlim=(2, 5)),
-            Panel(tuple(angles), "angle [deg]", xlim=(2, 5)),
-        ],
-        height=2.2,
-    )
+        ylim = (-40.0, 100.0)
+        rows[1].append(Panel(tuple(angles), "knee [deg]", xlim=span, ylim=ylim, note=note))
+        solves = tuple(_times(r, m) for m, r in runs.items())
+        rows[2].append(Panel(solves, "time of a solve [us]", xlim=span, logarithmic=True))
+    return draw_panels([p for row in rows for p in row], columns=2, height=2.2)
 
 
 def plot_lean(study: Study) -> Figure:
-    """Draw task D: hip and knee angles of ik2 and ik4."""
+    """Draw figure 4: hip and knee angles of ik2, ik3 and ik4."""
     panels: list[Panel | None] = []
     for name, joint in (("hip pitch", "HipSag"), ("knee", "KneeSag")):
         j = study.joint(joint)[0]
-        runs = {m: study[Key(LEAN, m)] for m in ("ik2", "ik4")}
+        runs = {m: study[Key(LEAN, m)] for m in ("ik2", "ik3", "ik4")}
         lines = tuple(_line(r, np.degrees(r.joints[r.window, j]), m) for m, r in runs.items())
         limit = study.robot.upper[j] if joint == "HipSag" else study.robot.lower[j]
         t = runs["ik4"].times[runs["ik4"].window]
         bound = Line(t, np.full(len(t), np.degrees(limit)), "limit", VERMILION, "--", width=1.0)
-        title = "torso leaning +- 50 deg" if joint == "HipSag" else ""
+        title = "Fig. 4: torso leaning +- 50 deg, Q = I" if joint == "HipSag" else ""
         panels.append(Panel((*lines, bound), f"{name} [deg]", title))
     return draw_panels(panels, height=2.2)
 
 
-def plot_phase_plane(study: Study) -> Figure:
-    """Draw tasks E and F: speed of the left knee over its angle, with the safety region."""
-    j = study.joint("KneeSag")[0]
-    low, high = study.robot.lower[j], study.robot.upper[j]
-    turn = np.linspace(0.0, 2.0 * np.pi, 400)
-    x = np.degrees(0.5 * (low + high) + 0.5 * (high - low) * np.cos(turn))
-    edge = Line(x, SPEED_MAX * np.sin(turn), "ellipse", VERMILION, "--", width=1.0)
-    panels: list[Panel | None] = []
-    for title, variant in (
-        ("ellipse, gamma 10", ""),
-        ("polygon, gamma 10", "polygon"),
-        ("ellipse, gamma 0", "gamma 0"),
-    ):
-        run = study[Key(STRETCHED, "ik4", MANY, variant)]
-        angle, speed = run.joints[run.window, j], run.speeds()[:, j]
-        path = Line(np.degrees(angle[1:]), speed, "left knee, ik4", BLACK, width=1.0)
-        panels.append(
-            Panel((edge, path), "speed [rad/s]", title, xlabel="angle [deg]", xlim=(-5.0, 115.0))
-        )
-    return draw_panels(panels, columns=3, height=3.0, width=11.0)
-
-
 def plot_power(study: Study) -> Figure:
-    """Draw task G: both measures of power over the CoM height reference."""
-    quiet = np.array(power(study[Key(SWAY, "ik4", FEW, "quiet")]))
-    values = np.array([power(study[Key(SWAY, "ik4", FEW, f"{h:g}")]) for h in CROUCHES]) - quiet
-    x = MM * np.array(CROUCHES)
-    xlabel = "CoM height reference relative to z_max [mm]"
+    """Draw figure 7: electric power over the crouch angle that was reached, with a line."""
+    runs = sway_runs(study)
+    x = np.array([crouch_deg(study, run) for run in runs])
+    power = np.array([power_above_quiet(study, run) for run in runs])
+    slope, offset, fit = fitted_line(x, power[:, 0])
+    ends = np.array([x.min(), x.max()])
+    line = Line(ends, slope * ends + offset, f"line, R^2 = {fit:.2f}", VERMILION, "--", width=1.2)
+    points = Line(x, power[:, 0], "electric power", BLUE, "", marker="o")
+    work = Line(x, power[:, 1], "sum |tau qdot|", GREEN, "", marker="o")
     return draw_panels(
         [
             Panel(
-                (Line(x, values[:, i], "", BLUE, "-", marker="o"),),
-                unit,
-                title,
-                xlabel=xlabel,
-            )
-            for i, (title, unit) in enumerate(
-                (
-                    ("sway with twist: sum |tau qdot|", "mean [W]"),
-                    ("sum tau^2; standing still subtracted", "mean [(N m)^2]"),
-                )
+                (points, line, work),
+                "mean power [W]",
+                "Fig. 7: sway with twist, quiet stance subtracted",
+                xlabel="mean knee angle reached [deg]",
             )
         ],
-        columns=2,
-        height=2.6,
+        height=3.2,
     )
 
 
 def plot_twist(study: Study) -> Figure:
-    """Draw task H: angles of both knees."""
+    """Draw figure 1E of the abstract: angles of both knees."""
     panels: list[Panel | None] = []
     for i, side in enumerate(("left", "right")):
         j = study.joint("KneeSag")[i]
@@ -225,6 +183,6 @@ def plot_twist(study: Study) -> Figure:
         for method in ("ik1", "ik3", "ik4"):
             run = study[Key(TWIST, method)]
             lines.append(_line(run, np.degrees(run.joints[run.window, j]), method))
-        title = "torso yaw +- 45 deg, CoM reference above reach" if i == 0 else ""
-        panels.append(Panel(tuple(lines), f"{side} knee [deg]", title, ylim=(-BENT_DEG, BENT_DEG)))
+        title = "FI-abstract Fig. 1E: torso yaw +- 45 deg, CoM above reach" if i == 0 else ""
+        panels.append(Panel(tuple(lines), f"{side} knee [deg]", title, ylim=(-15.0, 15.0)))
     return draw_panels(panels, height=2.2)

@@ -15,7 +15,6 @@ from mgs.experiments.faraji.measures import (
     survival,
 )
 from mgs.experiments.faraji.runs import LEAN, MANY, SLOWER, TWIST, Key, Run, Study
-from mgs.experiments.faraji.squat_claims import ALL
 from mgs.experiments.faraji.thresholds import BENT_KNEE_DEG, HARD, NEARLY_ZERO, NOT_ALTERED
 
 HEIGHT_LAG = 1e-3  # [m] largest CoM height below that of the same motion at a tenth of the speed
@@ -27,7 +26,7 @@ WEIGHTS = (
 def lean_claims(study: Study) -> list[Claim]:
     """Claims of task D: torso leaning forward and backward."""
     hips = study.joint("HipSag")
-    runs = {m: study[Key(LEAN, m)] for m in ALL}
+    runs = {m: study[Key(LEAN, m)] for m in ("ik1", "ik2", "ik3", "ik4")}
     excess = {m: max(0.0, limit_excess_deg(run, study.robot, hips)) for m, run in runs.items()}
     knees = {m: _knee_at_hip_limit(study, run) for m, run in runs.items()}
     return [
@@ -127,7 +126,7 @@ def _knee_at_hip_limit(study: Study, run: Run) -> float:
 
 def twist_claims(study: Study) -> list[Claim]:
     """Claims of task H; the same motion at a tenth of the speed gives the reachable CoM height."""
-    runs = {m: study[Key(TWIST, m)] for m in ALL}
+    runs = {m: study[Key(TWIST, m)] for m in ("ik1", "ik3", "ik4")}
     slow = study[Key(TWIST, "ik4", MANY, "slow")]
     best = slow.stages.motion.com[slow.window, 2]
     heights = {m: run.stages.motion.com[run.window, 2] for m, run in runs.items()}

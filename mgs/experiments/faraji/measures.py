@@ -48,7 +48,7 @@ def horizontal_error(run: Run) -> float:
 
 
 def mean_seconds(run: Run) -> float:
-    """Median time of a solve in the window [s]; the median leaves interruptions out."""
+    """Median CPU time of a solve in the window [s]."""
     return float(np.median(report_of(run).seconds[run.window]))
 
 

@@ -27,6 +27,7 @@ from mgs.experiments.faraji.runs import (
 )
 from mgs.experiments.faraji.thresholds import DRASTIC, FASTER, VIBRATION
 
+DESCENT = 0.5  # [s] from leaving the singular posture to the deepest point of the squat
 AFTER = 0.15  # [s] after a knee has left the singular posture
 STRAIGHT_DEG = 5.0  # [deg] knee angle below which a leg is in the singular posture
 
@@ -180,7 +181,8 @@ def _current_claims(study: Study) -> list[Claim]:
             "which gamma decreases",
             " and ".join(f"{peak:.2f} A with {name}" for name, peak in peaks.items()),
             peaks["gamma 0"] >= FASTER * peaks["gamma 10"],
-            "largest current of the knee after it has left the posture, motor model at 24 V",
+            "largest current of the knee on the way down, motor model at 24 V with the inertia of "
+            "the rotor",
             peaks,
             "FI Fig. 6",
             ("ik4",),
@@ -208,7 +210,7 @@ def _windows(study: Study, run: Run, j: int, seconds: float) -> list[slice]:
 
 def _peak_after_escape(study: Study, run: Run, j: int) -> float:
     current = np.abs(current_of_joints(study.robot, run)[:, j])
-    peaks = [current[w].max() for w in _windows(study, run, j, 2.0 * AFTER)]
+    peaks = [current[w].max() for w in _windows(study, run, j, DESCENT)]
     return float(np.mean(peaks)) if peaks else float("nan")
 
 

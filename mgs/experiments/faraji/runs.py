@@ -10,6 +10,7 @@ import numpy as np
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.core.progress import Progress
+from mgs.experiments.channels import scaled_waves
 from mgs.experiments.variant import BASE, Variant
 from mgs.gait import BalanceGait, load_gait
 from mgs.pipeline import Stages, run_stages
@@ -76,7 +77,6 @@ SETTINGS: dict[str, tuple[str, ...]] = {  # of the variants of a run
     "fine, gradients": (f"dt={FINE_DT}", GRADIENTS),
     "bent": (BENT,),
     "gradients": (GRADIENTS,),
-    "gradients, bent": (GRADIENTS, BENT),
     "polygon": ("ik.faraji.region=polygon",),
     "gamma 0": ("ik.faraji.gamma=0",),
     "gamma 100": ("ik.faraji.gamma=100",),
@@ -166,11 +166,12 @@ def all_keys() -> list[Key]:
     keys += [Key(SQUAT, m, MANY) for m in ("ik1", "ik2", "ik4", "ik5")]
     keys += [Key(gait, m, n) for gait in (STRETCHED, TILTING) for m, n in methods()]
     for gait in (STRETCHED, TILTING):
-        for variant in ("bent", "gradients", "gradients, bent"):
+        for variant in ("bent", "gradients"):
             keys += [Key(gait, "ik2", n, variant) for n in (MANY, FEW)]
     keys += [Key(TILTING, "ik4", MANY, f"{dt} ms{more}") for dt in "52" for more in RESERVES]
-    keys += [Key(gait, m) for gait in (LEAN, TWIST) for m, n in methods() if n == MANY]
-    keys += [Key(gait, f"ik{i}", MANY, "weighted") for gait in (LEAN, TWIST) for i in (1, 2, 3, 4)]
+    keys += [Key(LEAN, f"ik{i}") for i in (1, 2, 3, 4)]
+    keys += [Key(LEAN, m, MANY, "weighted") for m in ("ik2", "ik4")]
+    keys += [Key(TWIST, f"ik{i}") for i in (1, 3, 4)]
     keys += [Key(STRETCHED, "ik4", MANY, variant) for variant in ("polygon", "gamma 0")]
     keys += [
         Key(STRETCHED, m, MANY, f"gamma 100{x}") for m in ("ik4", "ik5") for x in ("", ", fast")
@@ -228,19 +229,4 @@ def gait_of(key: Key, variant: Variant = BASE) -> BalanceGait:
     if key.variant == "slow":
         speed /= SLOWER
     still = key.variant.startswith("quiet")
-    return _rescaled(gait, 0.0 if still else variant.amplitude, speed)
-
-
-def _rescaled(gait: BalanceGait, amplitude: float, speed: float) -> BalanceGait:
-    """Channels with amplitudes and frequencies multiplied by factors."""
-    channels = [
-        channel.model_copy(
-            update={
-                "amplitude": amplitude * channel.amplitude,
-                "frequency": speed * channel.frequency,
-            }
-        )
-        for channel in gait.balance.channels
-    ]
-    balance = gait.balance.model_copy(update={"channels": channels})
-    return gait.model_copy(update={"balance": balance})
+    return scaled_waves(gait, 0.0 if still else variant.amplitude, speed)

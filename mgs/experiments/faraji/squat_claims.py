@@ -123,7 +123,7 @@ def _time_claim(study: Study) -> Claim:
         "The fastest method is ik1 in this simple test, but it is less precise",
         ", ".join(f"{m} (n = {n}) {1e6 * t:.0f}" for (m, n), t in times.items()) + " us",
         fastest and precise,
-        "median time of a solve; less precise than ik2, ik4 and ik5",
+        "median CPU time of a solve; less precise than ik2, ik4 and ik5",
         {f"{m}, n = {n}": 1e6 * t for (m, n), t in times.items()},
         "FI III-A, Fig. 1",
         ALL,

@@ -1,33 +1,25 @@
-"""Runs of the experiments of Mistry et al., and measurements on them; see the package."""
+"""Runs of the experiments of Mistry et al.; see the package."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-import pinocchio as pin
-
-from mgs.core.arrays import Array
-from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
-from mgs.core.contact import Side, Support
-from mgs.core.geometry import rotation_angles
 from mgs.core.progress import Progress
-from mgs.core.spans import span_starts
+from mgs.experiments.channels import scaled_waves
+from mgs.experiments.mistry.physics import Played, play_motion
 from mgs.experiments.variant import BASE, Variant
-from mgs.gait import load_gait
-from mgs.ik_solver.floating.constraints import base_velocity
-from mgs.ik_solver.floating.parts import SOLES
-from mgs.ik_solver.floating.tasks import BodyTasks
-from mgs.ik_solver.prioritized import Phase, PrioritizedReport
+from mgs.gait import BalanceGait, Gait, load_gait
 from mgs.pipeline import Stages, run_stages
 from mgs.robot import Robot, load_robot
 
 SWAY, EIGHT, WALK = "coman/sway", "coman/hand_eight", "melson/walk_5cm"
 VELOCITY, ACCELERATION = "prioritized", "prioritized-acceleration"
 TRACKING, PROJECTED = "tracking", "projected"
+EQUATION_7, EQUATION_16, FOOTNOTE_3 = "equation_7", "equation_16", "footnote_3"
 NO_FEEDBACK = 1e-9  # practically zero feedback of task errors
+LOW_FEEDBACK = 0.02
 FINE_DT = 0.001  # [s]
-WORLD_ALIGNED = pin.LOCAL_WORLD_ALIGNED
+_CHANNELS = "balance.channels=[{{task: right_hand_x, wave: constant, value: {x}}}]"
 
 
 @dataclass(frozen=True)
@@ -36,24 +28,30 @@ class Key:
 
     gait: str
     solver: str = VELOCITY
-    null_space: str = TRACKING
-    variant: str = ""  # one of VARIANTS
+    null_space: str = EQUATION_16
+    variant: str = ""  # key of SETTINGS
 
 
-VARIANTS: dict[str, tuple[str, ...]] = {
+SETTINGS: dict[str, tuple[str, ...]] = {
     "": (),
     "fine": (f"dt={FINE_DT}",),
     "no feedback": (f"ik.prioritized.feedback={NO_FEEDBACK}",),
+    "low feedback": (f"ik.prioritized.feedback={LOW_FEEDBACK}",),
+    "no level E": ("ik.prioritized.extraneous=[]",),
+    "no clip": ("ik.prioritized.catch_up=null",),
+    "out of reach": (_CHANNELS.format(x=0.35),),
+    "hand at rest": (_CHANNELS.format(x=0.0),),
     "no handover": ("ik.prioritized.handover=0",),
 }
 
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """All runs of the experiment."""
+    """All runs of the experiment, and replays of two of them in physics."""
 
     robot: Robot  # COMAN
     runs: dict[Key, Stages]
+    played: dict[str, Played]  # by gait, solver eq. (16)
 
     def __getitem__(self, key: Key) -> Stages:
         """Run with this key."""
@@ -62,110 +60,49 @@ class Study:
 
 def all_keys() -> list[Key]:
     """Keys of all runs."""
-    forms = [(s, n) for s in (VELOCITY, ACCELERATION) for n in (TRACKING, PROJECTED)]
-    keys = [Key(gait, solver, null) for gait in (SWAY, EIGHT) for solver, null in forms]
-    keys += [Key(SWAY, VELOCITY, TRACKING, "no feedback")]
+    printed = (EQUATION_7, EQUATION_16, FOOTNOTE_3)
+    keys = [Key(gait, VELOCITY, form) for gait in (SWAY, EIGHT) for form in (*printed, TRACKING)]
+    keys += [Key(gait, ACCELERATION, EQUATION_16) for gait in (SWAY, EIGHT)]
+    keys += [Key(SWAY, VELOCITY, EQUATION_16, v) for v in ("no feedback", "low feedback")]
     keys += [Key(SWAY, solver, TRACKING, "fine") for solver in (VELOCITY, ACCELERATION)]
-    keys += [Key(WALK, VELOCITY, n, v) for n in (TRACKING, PROJECTED) for v in ("", "no handover")]
-    keys += [Key(WALK, ACCELERATION)]
+    keys += [Key(SWAY, ACCELERATION, TRACKING)]
+    keys += [Key(EIGHT, VELOCITY, form) for form in (PROJECTED,)]
+    keys += [Key(EIGHT, VELOCITY, PROJECTED, "no clip")]
+    keys += [Key(EIGHT, VELOCITY, EQUATION_16, v) for v in ("no level E", "hand at rest")]
+    keys += [Key(EIGHT, VELOCITY, f, "out of reach") for f in (EQUATION_16, FOOTNOTE_3, TRACKING)]
+    keys += [Key(WALK, VELOCITY, EQUATION_16), Key(WALK, VELOCITY, TRACKING)]
+    keys += [Key(WALK, VELOCITY, PROJECTED, v) for v in ("", "no handover")]
     return keys
 
 
 def solve(progress: Progress | None = None, variant: Variant | None = None) -> Study:
-    """Generate all runs; missed tasks are recorded instead of refused."""
+    """Generate all runs and play two of them; missed tasks are recorded instead of refused."""
     variant = variant or BASE
     robots = {name: variant.robot(load_robot(name)) for name in ("coman", "melson")}
     runs: dict[Key, Stages] = {}
-    keys = all_keys()
+    keys, played = all_keys(), {}
     for i, key in enumerate(keys):
-        settings = (
-            f"ik.solver={key.solver}",
-            f"ik.prioritized.null_space={key.null_space}",
-            "ik.on_limit=record",
-            *VARIANTS[key.variant],
-            *variant.settings,
-        )
         robot = robots[key.gait.split("/")[0]]
-        runs[key] = run_stages(robot, load_gait(key.gait, settings), key.gait)
+        runs[key] = run_stages(robot, gait_of(key, variant), key.gait)
         if progress is not None:
-            progress(i + 1, len(keys))
-    return Study(robots["coman"], runs)
+            progress(i + 1, len(keys) + 2)
+    for i, gait in enumerate((SWAY, EIGHT), start=1):
+        played[gait] = play_motion(runs[Key(gait)].motion)
+        if progress is not None:
+            progress(len(keys) + i, len(keys) + 2)
+    return Study(robots["coman"], runs, played)
 
 
-def horizontal_com_error(stages: Stages) -> float:
-    """Largest horizontal distance of the CoM from its reference [m]."""
-    motion = stages.motion
-    return float(np.linalg.norm((motion.com - motion.com_ref)[:, :2], axis=1).max())
-
-
-def sole_error(stages: Stages) -> float:
-    """Largest distance [m] or rotation [rad] of a sole from its reference."""
-    motion = stages.motion
-    gap = np.linalg.norm((motion.soles - motion.soles_ref)[..., :3], axis=-1).max()
-    return float(max(gap, rotation_angles(motion.soles[..., 3:], motion.soles_ref[..., 3:]).max()))
-
-
-def hand_errors(stages: Stages) -> Array:
-    """Distance (N,) of the right hand from its reference [m]."""
-    motion = stages.motion
-    gap = motion.hands[:, Side.RIGHT, :3] - motion.hands_ref[:, Side.RIGHT]
-    return np.asarray(np.linalg.norm(gap, axis=1))
-
-
-def base_velocity_gap(robot: Robot, stages: Stages) -> float:
-    """Largest error of the base velocity by eq. (10) along a motion [m/s] or [rad/s].
-
-    Both velocities are central differences of the motion, so that the error falls with dt^2.
-    """
-    motion = stages.motion
-    tasks = BodyTasks(robot, SOLES)
-    worst = 0.0
-    for q, v in zip(motion.q[1:-1:10], motion.v[1:-1:10], strict=True):
-        tasks.update(q)
-        found = base_velocity(tasks.J, v[FLOATING_BASE_NV:])
-        worst = max(worst, float(np.abs(found - v[:FLOATING_BASE_NV]).max()))
-    return worst
-
-
-def angle_gap(a: Stages, b: Stages) -> float:
-    """Largest difference between the joint angles of two runs [rad]."""
-    return float(np.abs(a.joints.angles - b.joints.angles).max())
-
-
-def switch_accelerations(stages: Stages) -> tuple[float, float]:
-    """Largest joint acceleration [rad/s^2] at support switches, and at all other samples."""
-    tasks, dt = stages.tasks, stages.tasks.dt
-    acceleration = np.abs(np.diff(stages.joints.angles, 2, axis=0)).max(axis=1) / dt**2
-    near = np.zeros(len(acceleration), bool)
-    for switch in span_starts(tasks.support)[1:]:
-        near[switch - 2 : switch + 1] = True
-    return float(acceleration[near].max()), float(acceleration[~near].max())
-
-
-def edge_rows(robot: Robot, side: Side, points: list[tuple[float, float]]) -> list[Array]:
-    """Velocity rows (3, 6 + n) of points (x, y) of a sole in the standing posture."""
-    model, data = robot.model, robot.model.createData()
-    pin.computeJointJacobians(model, data, robot.standing_q)
-    frame = robot.sole_frames[side]
-    placement = pin.updateFramePlacement(model, data, frame)
-    J = pin.getFrameJacobian(model, data, frame, WORLD_ALIGNED)
-    return [J[:3] - pin.skew(placement.rotation @ np.array([x, y, 0.0])) @ J[3:] for x, y in points]
-
-
-def straight_legs(robot: Robot) -> Array:
-    """Configuration (7 + n,) with the joints of both legs at zero."""
-    q = robot.standing_q.copy()
-    for group in ("left_leg", "right_leg"):
-        for name in robot.spec.groups[group]:
-            q[FLOATING_BASE_NQ + robot.joint_names.index(name)] = 0.0
-    return q
-
-
-def phases_of(stages: Stages) -> tuple[Phase, ...]:
-    """Reported constraints of a run, once for each kind of phase."""
-    return stages.joints.report_of(PrioritizedReport).phases
-
-
-def swing_switches(stages: Stages) -> int:
-    """Number of support switches."""
-    return len(span_starts(stages.tasks.support != Support.DOUBLE)) - 1
+def gait_of(key: Key, variant: Variant = BASE) -> Gait:
+    """Gait of the run with a key, in a variant of the experiment."""
+    settings = (
+        f"ik.solver={key.solver}",
+        f"ik.prioritized.null_space={key.null_space}",
+        "ik.on_limit=record",
+        *variant.settings,
+        *SETTINGS[key.variant],
+    )
+    gait = load_gait(key.gait, settings)
+    if not isinstance(gait, BalanceGait) or key.variant == "out of reach":
+        return gait
+    return scaled_waves(gait, variant.amplitude, variant.speed)

@@ -22,6 +22,7 @@ class FarajiReport:
     returns: int = 0  # times that a part of the motion was repeated with bent knees
     iterations: Array = field(default_factory=lambda: np.zeros(0), repr=False, compare=False)
     seconds: Array = field(default_factory=lambda: np.zeros(0), repr=False, compare=False)
+    """CPU time (N,) of each sample [s]; other processes do not count."""
 
     def to_dict(self) -> dict[str, object]:
         """Convert the numbers to plain data."""
