@@ -137,8 +137,8 @@ def _time_claims(study: Study) -> list[Claim]:
             f"{labels} us",
             min(many["ik4"], many["ik5"]) >= FASTER * max(many[m] for m in ("ik1", "ik2", "ik3"))
             and all(survival(study, study[Key(TILTING, m)]).survives for m in ("ik4", "ik5")),
-            "median CPU time of a solve, compared with ik1, ik2 and ik3; ik2 uses all of its iterations"
-            " here, because damped steps shrink slowly",
+            "median CPU time of a solve, compared with ik1, ik2 and ik3; ik2 uses all of its "
+            "iterations here, because damped steps shrink slowly",
             {m: 1e6 * t for m, t in many.items()},
             "FI III-C",
             ALL,
@@ -148,9 +148,9 @@ def _time_claims(study: Study) -> list[Claim]:
             "ik5 is generally faster than ik4, but behaves similarly",
             f"time of ik5 / time of ik4: task A {ratios['A']:.2f}, task B {ratios['B']:.2f}",
             max(ratios.values()) * FASTER <= 1.0,
-            "median CPU time of a solve, n = 15. In our solver the second slack variable adds rows, "
-            "and the damping R slows the iterations of ik5 more than those of ik4; in SNOPT it "
-            "decouples two nonlinear equations",
+            "median CPU time of a solve, n = 15. In our solver the second slack variable adds "
+            "rows, and the damping R slows the iterations of ik5 more than those of ik4; in SNOPT "
+            "it decouples two nonlinear equations",
             ratios,
             "FI II-E, IV",
             ("ik4", "ik5"),
