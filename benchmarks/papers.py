@@ -3,6 +3,7 @@
     python benchmarks/papers.py                     all experiments
     python benchmarks/papers.py faraji mistry       some of them
     python benchmarks/papers.py --no-sensitivity    without the variants
+    python benchmarks/papers.py --figures           only the figures in docs/papers
 
 The text between the comments `<!-- begin NAME -->` and `<!-- end NAME -->` is replaced. One
 experiment with its variants takes minutes.
@@ -13,8 +14,10 @@ from __future__ import annotations
 import argparse
 import re
 import sys
+import tempfile
 from pathlib import Path
 
+from PIL import Image
 from tables import table
 
 from mgs.core.atomic_files import replace_file
@@ -22,6 +25,8 @@ from mgs.experiments import NAMES, Claim, run
 from mgs.experiments.sensitivity import Sensitivity, measure
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "papers.md"
+FIGURES = PAGE.parent / "papers"
+COLOURS = 48  # of a figure in the documentation, which keeps it below 150 kB
 VERDICTS = {True: "**Holds.**", False: "**FAILS.**", "not applicable": "**Not tested.**"}
 MARKS = {True: "holds", False: "FAILS", "not applicable": "-"}
 
@@ -74,16 +79,32 @@ def replaced(page: str, name: str, text: str) -> str:
     return pattern.sub(lambda _: f"{begin}\n{text}\n{end}", page)
 
 
+def write_figures(name: str) -> None:
+    """Draw the figures of one experiment, with few colours, in docs/papers/NAME."""
+    place = FIGURES / name
+    place.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder:
+        run(name, Path(folder))
+        for path in sorted(Path(folder).glob("*.png")):
+            with Image.open(path) as image:
+                small = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+                small.save(place / path.name, optimize=True)
+
+
 def main() -> None:
     """Run the experiments and write the page."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(NAMES))
     parser.add_argument("--no-sensitivity", action="store_true", help="leave the variants out")
+    parser.add_argument("--figures", action="store_true", help="draw figures, write no text")
     args = parser.parse_args()
     unknown = set(args.names) - set(NAMES)
     if unknown:
         sys.exit(f"{', '.join(sorted(unknown))}: unknown; the experiments are {', '.join(NAMES)}")
     for name in args.names or NAMES:
+        if args.figures:
+            write_figures(name)
+            continue
         text = section(name, not args.no_sensitivity)
         page = replaced(PAGE.read_text(encoding="utf-8"), name, text)
         replace_file(PAGE, page.encode())

@@ -9,6 +9,43 @@ from mgs.experiments.faraji.runs import BOUNDED, FEW, MANY, TILTING, Key, Study
 REGION = 1e-9  # tolerance of joint limits [rad] and region [-]
 
 
+ROWS = (  # id, sentence, reason, source
+    (
+        "minor_iterations",
+        "Most of the work is done in minor iterations of the first quadratic program of SNOPT",
+        "it concerns the inner iterations of SNOPT, a commercial solver that is not used here",
+        "FI Fig. 1",
+    ),
+    (
+        "robot",
+        "Demonstrations on the real robot prove that the method is applicable and reduces the power "
+        "consumption",
+        "there is no robot; G_power and G_line use inverse dynamics and a model of the motors",
+        "FI abstract, III-F, III-G; FI-abstract 1, 5",
+    ),
+    (
+        "electronics",
+        "Electronics take about 108 W, quiet stance on stretched legs about 10 W",
+        "measured on the robot; the model has no electronics, and quiet stance is subtracted from "
+        "both postures as in the paper",
+        "FI Fig. 7",
+    ),
+    (
+        "balance_endangered",
+        "Hip angles of ik2 that the robot cannot reach might endanger the balance, as the "
+        "accompanying video shows",
+        "shown by a video; D_ik1_ik2 measures by how much the limit is violated",
+        "FI III-D",
+    ),
+    (
+        "mechanics",
+        "Stretched legs protect actuators from long-term damage and look more human-like",
+        "an expectation on hardware and appearance without a measurement in the paper",
+        "FI I, IV; FI-abstract 5",
+    ),
+)
+
+
 def untested_claims(study: Study) -> list[Claim]:
     """Claim on the safety region, which is tested, and sentences that are not."""
     found = {k: region_excess(study, run) for k, run in study.runs.items() if k.method in BOUNDED}
@@ -40,50 +77,12 @@ def untested_claims(study: Study) -> list[Claim]:
             "FI III-C, IV; FI-abstract 5",
             ("ik4",),
         ),
-        Claim(
-            "minor_iterations",
-            "Most of the work is done in minor iterations of the first quadratic program of SNOPT",
-            "not measured",
-            "not applicable",
-            "it concerns the inner iterations of SNOPT, a commercial solver that is not used here",
-            source="FI Fig. 1",
-            methods=("ik3", "ik4", "ik5"),
-        ),
-        Claim(
-            "robot",
-            "Demonstrations on the real robot prove that the method is applicable and reduces the "
-            "power consumption",
-            "not measured",
-            "not applicable",
-            "there is no robot; G_power and G_line use inverse dynamics and a model of the motors",
-            source="FI abstract, III-F, III-G; FI-abstract 1, 5",
-            methods=("ik4",),
-        ),
-        Claim(
-            "electronics",
-            "Electronics take about 108 W, quiet stance on stretched legs about 10 W",
-            "not measured",
-            "not applicable",
-            "measured on the robot; the model has no electronics, and quiet stance is subtracted "
-            "from both postures as in the paper",
-            source="FI Fig. 7",
-        ),
-        Claim(
-            "balance_endangered",
-            "Hip angles of ik2 that the robot cannot reach might endanger the balance, as the "
-            "accompanying video shows",
-            "not measured",
-            "not applicable",
-            "shown by a video; D_ik1_ik2 measures by how much the limit is violated",
-            source="FI III-D",
-            methods=("ik2",),
-        ),
-        Claim(
-            "mechanics",
-            "Stretched legs protect actuators from long-term damage and look more human-like",
-            "not measured",
-            "not applicable",
-            "an expectation on hardware and appearance without a measurement in the paper",
-            source="FI I, IV; FI-abstract 5",
-        ),
+        *_untested(),
+    ]
+
+
+def _untested() -> list[Claim]:
+    return [
+        Claim(name, claim, "not measured", "not applicable", reason, source=source)
+        for name, claim, reason, source in ROWS
     ]
