@@ -18,8 +18,8 @@ ROWS = (  # id, sentence, reason, source
     ),
     (
         "robot",
-        "Demonstrations on the real robot prove that the method is applicable and reduces the power "
-        "consumption",
+        "Demonstrations on the real robot prove that the method is applicable and reduces the "
+        "power consumption",
         "there is no robot; G_power and G_line use inverse dynamics and a model of the motors",
         "FI abstract, III-F, III-G; FI-abstract 1, 5",
     ),
