@@ -96,7 +96,8 @@ def validate(
     """Judge a motion by static checks and by open-loop replays in physics engines.
 
     Reads FILE.mcap and prints each check with its value and its limit, a summary of each replay,
-    and PASS or FAIL. Writes no file unless --sweep-plot names one.
+    and PASS or FAIL. Writes no file unless --sweep-plot names one. A physics engine that is not
+    installed is named, with the cause and what to do about it.
 
     With --monte-carlo N the motion is also replayed N times under random conditions: floor
     friction, slope and bumps, masses, centre of mass, servo gains, supply voltage, latency, joint

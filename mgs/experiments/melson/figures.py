@@ -9,7 +9,7 @@ import numpy as np
 from mgs.core.arrays import Array
 from mgs.core.contact import Side
 from mgs.experiments.melson.drift_claims import DRIFT_JOINT, drift_series
-from mgs.experiments.melson.runs import Study, Walk
+from mgs.experiments.melson.runs import Study, Walk, peak
 from mgs.gait import WalkGait
 from mgs.report.canvas import BLACK, SKY, VERMILION, Figure, save_figures
 from mgs.report.panels import Line, Panel, draw_panels, shade_single_support
@@ -18,7 +18,7 @@ from mgs.report.robot_drawing import FRONT, RIGHT_SIDE
 
 JOINTS = {3: "hip_roll", 4: "knee_pitch", 5: "ankle_roll"}  # by number of the figure
 STRIPS = {6: "S1", 7: "S2", 8: "S3"}
-NAMES = (*(f"figure_{number}" for number in (*JOINTS, *STRIPS)), "figure_9", "figure_10")
+NAMES = (*(f"figure_{number}" for number in range(3, 11)), "every_support")
 LOOKS = {"S1": ("0.65", 3.4), "S2": (SKY, 2.2), "S3": (VERMILION, 1.2)}  # colour, line width
 DRIFT_LOOKS = {"S1": (VERMILION, "o"), "S2": (BLACK, "s")}
 SNAPSHOTS = 8  # poses in a strip
@@ -29,6 +29,7 @@ def write_figures(study: Study, folder: Path, *, force: bool) -> list[Path]:
     figures = {f"figure_{number}": plot_joint(study, number) for number in JOINTS}
     figures |= {f"figure_{number}": plot_strip(study, number) for number in STRIPS}
     figures |= {"figure_9": plot_end_poses(study), "figure_10": plot_drift(study)}
+    figures["every_support"] = plot_every_support(study)
     return save_figures(figures, folder, force=force, few_colours=True)
 
 
@@ -83,6 +84,25 @@ def plot_strip(study: Study, number: int) -> Figure:
         rows=("from the right", "from the front"),
         caption=caption,
     )
+
+
+def plot_every_support(study: Study) -> Figure:
+    """Draw the peak torques of the support leg in each phase of the walk of eight steps."""
+    panels = []
+    for joint in (JOINTS[3], JOINTS[4]):
+        lines = []
+        for name, walk in study.longer.items():
+            peaks = [
+                peak(walk.gravity[samples, walk.column(side, joint)])
+                for side, samples in walk.supports
+            ]
+            phases = np.arange(1.0, len(peaks) + 1.0)
+            colour, width = LOOKS[name]
+            lines.append(Line(phases, np.array(peaks), name, colour, width=width, marker="o"))
+        title = f"{joint.replace('_', ' ')} of the support leg"
+        xlabel = "single support phase; odd: left, even: right"
+        panels.append(Panel(tuple(lines), "peak of the gravity torque [N m]", title, xlabel=xlabel))
+    return draw_panels(panels, columns=2, height=3.0, caption="walk of eight steps; ours")
 
 
 def plot_end_poses(study: Study) -> Figure:
