@@ -7,7 +7,13 @@ from typing import Literal
 
 import click
 
-from mgs.cli.common import force_option, json_option, motion_argument, print_json
+from mgs.cli.common import (
+    force_option,
+    json_option,
+    motion_argument,
+    print_json,
+    with_progress,
+)
 
 
 @click.command()
@@ -59,27 +65,86 @@ def info(file: Path, as_json: bool) -> None:
     "--format", "fmt", type=click.Choice(["png", "svg"]), default="png", show_default=True,
     help="Format of the pictures.",
 )  # fmt: skip
+@click.option(
+    "--strip", metavar="FILE.png", type=click.Path(dir_okay=False, path_type=Path),
+    help="Write one picture instead: the robot at several instants, its tracks from above, and a "
+    "title with the result of the static checks.",
+)  # fmt: skip
+@click.option(
+    "--animate", metavar="FILE", type=click.Path(dir_okay=False, path_type=Path),
+    help="Write a moving picture instead, in real time: .gif, or .mp4 if ffmpeg is installed.",
+)  # fmt: skip
 @force_option
 @json_option
 def plot(
-    file: Path, output: Path | None, fmt: Literal["png", "svg"], force: bool, as_json: bool
+    file: Path,
+    output: Path | None,
+    fmt: Literal["png", "svg"],
+    strip: Path | None,
+    animate: Path | None,
+    force: bool,
+    as_json: bool,
 ) -> None:
     """Plot footsteps, zero-moment point (ZMP), centre of mass and joints of a motion.
 
     Reads FILE.mcap and writes several pictures; joint positions, speeds and torques are shown with
-    their limits.
+    their limits. With --strip or --animate it writes one picture, or one moving picture, instead.
 
     \b
-    Example:
+    Examples:
       mgs plot walk.mcap -o plots
+      mgs plot walk.mcap --strip walk.png
+      mgs plot walk.mcap --animate walk.gif
     """  # noqa: D301
     from mgs.motion_file import read_motion
     from mgs.report import plot_motion
 
+    if strip is not None or animate is not None:
+        paths = _single_pictures(file, strip, animate, force)
+        _tell(file, paths, as_json)
+        return
     motion = read_motion(file)
     paths = plot_motion(motion, output or file.with_suffix(""), fmt, force=force)
+    _tell(file, paths, as_json)
+
+
+def _tell(file: Path, paths: list[Path], as_json: bool) -> None:
     if as_json:
         print_json({"file": str(file), "plots": [str(path) for path in paths]})
     else:
         for path in paths:
             click.echo(click.format_filename(path))
+
+
+def _single_pictures(
+    file: Path, strip: Path | None, animate: Path | None, force: bool
+) -> list[Path]:
+    """Write the pictures that are asked for by name."""
+    from mgs.core.errors import ConfigError, OutputExistsError
+    from mgs.judge.motion_checks import check_motion
+    from mgs.motion_file import read_motion
+    from mgs.report import write_picture
+    from mgs.report.animation import animate as write_animation
+    from mgs.report.animation import check_output
+    from mgs.report.picture import title_line
+
+    if strip is not None:
+        if strip.suffix != ".png":
+            raise ConfigError("--strip", f"{strip}: the name should end in .png")
+        if strip.exists() and not force:
+            raise OutputExistsError(strip)
+    if animate is not None:
+        check_output(animate, force)
+    motion, paths = read_motion(file), []
+    if strip is not None:
+        failed = [check.name for check in check_motion(motion) if not check.ok]
+        verdict = f"fails {', '.join(failed)}" if failed else "static checks pass"
+        paths.append(write_picture(motion, strip, force=force, verdict=verdict))
+    if animate is not None:
+        path, title = animate, title_line(motion)
+        with_progress(
+            path.name,
+            lambda bar: write_animation(motion, path, title=title, force=force, progress=bar),
+        )
+        paths.append(path)
+    return paths

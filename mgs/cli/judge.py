@@ -170,6 +170,13 @@ def validate(
 @sag_option
 @damping_time_option
 @feed_forward_option
+@click.option(
+    "--record", metavar="FILE", type=click.Path(dir_okay=False, path_type=Path),
+    help="File for what happens: .mcap (the motion file with the simulated joints, base, links, "
+    "contact forces and ZMP as topics /sim/*), .gif or .mp4 (moving picture), or .png (the robot "
+    "at several instants). Default: none.",
+)  # fmt: skip
+@force_option
 @json_option
 @click.pass_context
 def replay(
@@ -183,12 +190,15 @@ def replay(
     sag_deg: float | None,
     damping_time: float | None,
     feed_forward: bool | None,
+    record: Path | None,
+    force: bool,
     as_json: bool,
 ) -> None:
     """Execute a motion open loop in one physics engine and measure the result.
 
-    Reads FILE.mcap, writes no file, and prints whether the robot stays up, the distance covered,
-    tilt, sole slip, joint errors and the time at torque limits. Exit code 1 if the robot falls.
+    Reads FILE.mcap, writes a file only if --record names one, and prints whether the robot stays
+    up, the distance covered, tilt, sole slip, joint errors and the time at torque limits. Exit code
+    1 if the robot falls.
 
     \b
     Examples:
@@ -196,17 +206,30 @@ def replay(
       mgs replay walk.mcap --engine mujoco --friction 0.5 --json
       mgs replay walk.mcap --servo pd --sag 2
       mgs replay walk.mcap --servo model --no-feed-forward
+      mgs replay walk.mcap --engine mujoco --record replay.gif
     """  # noqa: D301
+    from mgs.motion_file import read_motion
     from mgs.sim import engine_settings, missing_engines
     from mgs.sim import replay as run
 
     check_servos((servo,), feed_forward, sag_deg, damping_time)
+    if record is not None:
+        from mgs.report.recording import check_record, write_record
+
+        check_record(record, force)
     name = engine or engines_of(None)[0]
     changes = {"dt": step, "iterations": iterations, "friction": friction}
     settings = engine_settings(name, sag_deg, damping_time, **changes)
+    motion = read_motion(file)
     result = with_progress(
-        name, lambda bar: run(file, name, settings, bar, servo=servo, feed_forward=feed_forward)
+        name, lambda bar: run(motion, name, settings, bar, servo=servo, feed_forward=feed_forward)
     )
+    if record is not None:
+        path = record
+        with_progress(
+            path.name,
+            lambda bar: write_record(motion, result, path, force=force, progress=bar),
+        )
     if as_json:
         missing = [engine.to_dict() for engine in missing_engines()]
         print_json({**result.to_json(), "engines_missing": missing})

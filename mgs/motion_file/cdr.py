@@ -56,6 +56,8 @@ DEFINITIONS = {
     ),
     "geometry_msgs/Twist": ("geometry_msgs/Vector3 linear", "geometry_msgs/Vector3 angular"),
     "geometry_msgs/TwistStamped": ("std_msgs/Header header", "geometry_msgs/Twist twist"),
+    "geometry_msgs/Wrench": ("geometry_msgs/Vector3 force", "geometry_msgs/Vector3 torque"),
+    "geometry_msgs/WrenchStamped": ("std_msgs/Header header", "geometry_msgs/Wrench wrench"),
     "geometry_msgs/Vector3": ("float64 x", "float64 y", "float64 z"),
     "nav_msgs/Path": ("std_msgs/Header header", "geometry_msgs/PoseStamped[] poses"),
     "sensor_msgs/CompressedImage": ("std_msgs/Header header", "string format", "uint8[] data"),

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import io
 import json
-from dataclasses import asdict
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from mgs.core.progress import Progress
 from mgs.core.wrong_type import given_path, wrong_type
 from mgs.motion import Motion
 from mgs.motion.servo_commands import servo_commands
+from mgs.motion_file.cdr import Layout
 from mgs.motion_file.check import find_problem
 from mgs.motion_file.latched_topics import ONCE_TOPICS, small_messages, trajectory_message
 from mgs.motion_file.mcap_layout import HEAD, MESSAGE, RECORD_HEAD
@@ -49,8 +51,24 @@ FORMAT_VERSION = 3
 SAMPLES_PER_CHUNK = 500  # about 2 MB; viewers read a chunk at a time
 
 
+@dataclass(frozen=True, eq=False)
+class AddedTopic:
+    """Topic with M messages beside those of the motion; ignored when a file is read."""
+
+    name: str
+    kind: str
+    layout: Layout
+    times_ns: NDArray[np.uint64]  # (M,)
+    columns: Mapping[str, NDArray[Any]]  # (M, count) by slot, all but the slot `stamp`
+
+
 def write_motion(
-    motion: Motion, path: str | Path, *, force: bool = False, progress: Progress | None = None
+    motion: Motion,
+    path: str | Path,
+    *,
+    force: bool = False,
+    progress: Progress | None = None,
+    added: Sequence[AddedTopic] = (),
 ) -> Path:
     """Write a motion file, or nothing at all.
 
@@ -59,6 +77,7 @@ def write_motion(
         path: path of the file; its folder is made if missing.
         force: replace an existing file.
         progress: called with the number of written samples and the number of all samples.
+        added: further topics, such as those of a replay.
 
     Returns:
         Path of the file.
@@ -78,7 +97,7 @@ def write_motion(
         raise OutputExistsError(path)
     try:
         with replacing(path) as stream:
-            _write(motion, stream, progress or (lambda done, total: None))
+            _write(motion, stream, progress or (lambda done, total: None), added)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise MgsError(f"{path}: cannot be written: {reason}") from error
@@ -98,7 +117,9 @@ def motion_bytes(motion: Motion) -> bytes:
     return stream.getvalue()
 
 
-def _write(motion: Motion, stream: BinaryIO, progress: Progress) -> None:
+def _write(
+    motion: Motion, stream: BinaryIO, progress: Progress, added: Sequence[AddedTopic] = ()
+) -> None:
     tree = link_tree(motion.robot)
     topics = sample_topics(motion.robot, tree)
     if is_modelled(motion.robot):
@@ -108,6 +129,7 @@ def _write(motion: Motion, stream: BinaryIO, progress: Progress) -> None:
     once = {name: writer.add_channel(name, kind, once=True) for name, kind in kinds.items()}
     channels = {t.name: writer.add_channel(t.name, t.kind, once=False) for t in topics}
     channels[SUPPORT_TOPIC] = writer.add_channel(SUPPORT_TOPIC, "std_msgs/String", once=False)
+    channels |= {t.name: writer.add_channel(t.name, t.kind, once=False) for t in added}
     writer.add_metadata("mgs", metadata(motion))
     for name, media_type, text in _attachments(motion):
         writer.add_attachment(name, media_type, text.encode(), START_NS)
@@ -117,7 +139,19 @@ def _write(motion: Motion, stream: BinaryIO, progress: Progress) -> None:
         samples = slice(start, min(start + SAMPLES_PER_CHUNK, motion.n_samples))
         writer.add_chunk(_sample_blocks(motion, tree, topics, channels, times, samples))
         progress(samples.stop, motion.n_samples)
+    longest = max((len(topic.times_ns) for topic in added), default=0)
+    for start in range(0, longest, SAMPLES_PER_CHUNK):
+        samples = slice(start, start + SAMPLES_PER_CHUNK)
+        writer.add_chunk([_added_block(topic, channels[topic.name], samples) for topic in added])
     writer.finish()
+
+
+def _added_block(topic: AddedTopic, channel: int, samples: slice) -> Block:
+    times = topic.times_ns[samples]
+    columns = {slot: values[samples] for slot, values in topic.columns.items()}
+    rows = message_rows(channel, times, topic.layout.size)
+    topic.layout.fill(rows[:, HEAD:], columns | {"stamp": split_stamps(times)})
+    return block_of_rows(channel, times, rows)
 
 
 def metadata(motion: Motion) -> dict[str, str]:

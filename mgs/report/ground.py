@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from mgs.core.arrays import Array
 from mgs.core.contact import Footstep, Side
@@ -27,6 +28,7 @@ from mgs.report.scenery import draw_scene_above
 
 MM = 1e3  # millimetres per metre
 MAX_NUMBERS = 40  # largest number of footsteps that get a number
+CLEARANCE = 0.3  # least distance of numbered footsteps, as a part of the length of a sole
 NUMBER_INSET = (-12.0, -8.0)  # [pt] position of a number relative to the outer corner of the toe
 MAX_ASPECT = 25.0  # largest ratio of length to width that is drawn with equal scales
 AXES_SIZE, MIN_AXES_SIZE = np.array([8.0, 6.0]), np.array([6.0, 1.1])  # [inch]
@@ -58,6 +60,8 @@ def draw_above(axes: Axes, motion: Motion) -> None:
     _draw_footsteps(axes, motion)
     com, zmp, zmp_ref = MM * motion.com, MM * motion.zmp, MM * motion.zmp_ref
     axes.plot(com[:, 0], com[:, 1], color=PURPLE, linewidth=3.4, alpha=0.75, label="CoM")
+    if not motion.gait.is_balanced:  # a robot that falls or lies has no ZMP
+        return
     axes.plot(zmp[:, 0], zmp[:, 1], color=GREEN, linewidth=1.6, label="ZMP, whole body")
     axes.plot(
         zmp_ref[:, 0],
@@ -93,13 +97,14 @@ def _draw_footsteps(axes: Axes, motion: Motion) -> None:
         )
     axes.autoscale_view()
     every = math.ceil(len(motion.footsteps) / MAX_NUMBERS)
-    places: set[Footstep] = set()
+    placed: list[Footstep] = []
     for number, footstep in list(enumerate(motion.footsteps, start=-1))[::every]:
-        if footstep not in places:  # a foot may return to an earlier footstep
-            _number(
+        apart = CLEARANCE * motion.robot.sole_spec(footstep.side).length
+        if all(np.hypot(footstep.x - p.x, footstep.y - p.y) > apart for p in placed):
+            _number(  # both initial footsteps have number 0
                 axes, motion, footstep, str(max(number, 0))
-            )  # both initial footsteps have number 0
-        places.add(footstep)
+            )
+            placed.append(footstep)
 
 
 def _number(axes: Axes, motion: Motion, footstep: Footstep, text: str) -> None:
@@ -117,4 +122,6 @@ def _number(axes: Axes, motion: Motion, footstep: Footstep, text: str) -> None:
         va="center",
         fontsize=TICK,
         color=SIDE_COLOURS[footstep.side],
+        zorder=5.0,
+        path_effects=[withStroke(linewidth=2.5, foreground="white")],  # legible on any line
     )

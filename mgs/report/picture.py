@@ -9,19 +9,26 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.core.contact import Support
 from mgs.core.spans import spans
 from mgs.motion import Motion
 from mgs.report.canvas import (
+    BLUE,
     FAINT,
     GREEN,
     INK,
+    ORANGE,
     PURPLE,
+    SKY,
     TICK,
+    TITLE,
+    VERMILION,
     legend_above,
     new_figure,
     render,
     save_figures,
+    style_axes,
 )
 from mgs.report.ground import draw_above, footstep_corners
 from mgs.report.robot_drawing import box_corners, draw_robot, view_from
@@ -32,29 +39,88 @@ VIEW = view_from(-58.0, 14.0)  # from the front right: the robot walks to the ri
 N_POSES, MIN_PLACES = 8, 6  # largest number of poses; least width in poses
 MIN_STEPS = 2  # least number of steps of a motion that is drawn step by step
 MOVING = 0.02  # part of the largest joint speed above which a motion counts as moving
-SPACING, OVERHANG, LYING, CAPTION = 1.0, 0.58, 1.2, 0.4  # multiples of the CoM height
+SPACING, OVERHANG, CAPTION = 1.0, 0.58, 0.4  # multiples of the CoM height
+GAP = 0.08  # least gap between the poses of a robot that lies, as a multiple of the same
+N_JOINTS = 6  # number of joints that are drawn over time if the robot makes no step
 
 
-def picture_strip(motion: Motion, n_poses: int = N_POSES) -> Figure:
-    """Draw the robot at rest, in its first steps and at rest again; below, the view from above."""
+def picture_strip(motion: Motion, n_poses: int = N_POSES, verdict: str = "") -> Figure:
+    """Draw the robot at rest, in its first steps and at rest again; below, its tracks.
+
+    Args:
+        motion: the motion.
+        n_poses: largest number of poses.
+        verdict: verdict on the motion in words, for the title.
+    """
     spans = np.ptp(np.concatenate(list(footstep_corners(motion).values())), axis=(0, 1))
+    on_the_spot = len(motion.footsteps) <= 2
     ground_height = float(np.clip((WIDTH - 1.0) * spans[1] / spans[0], 1.2, 3.2)) + 0.7
     samples = pose_samples(motion, n_poses)
-    unit = float(motion.com[0, 2])
-    places = max(len(samples), MIN_PLACES)
-    overhang = OVERHANG if motion.gait.is_balanced else LYING
-    width = ((places - 1) * SPACING + 2 * overhang) * unit
-    left = 0.5 * ((len(samples) - 1) * SPACING * unit - width)  # the poses are centred
-    top = 1.08 * max(_top(motion, sample) for sample in samples)
-    strip_height = WIDTH * (top + CAPTION * unit) / width
-    figure = new_figure(WIDTH, strip_height + ground_height + 0.35)
-    strip, ground = figure.subplots(2, 1, height_ratios=[strip_height, ground_height])
-    _draw_strip(strip, motion, samples, SPACING * unit)
-    strip.set(xlim=(left, left + width), ylim=(-CAPTION * unit, top))
+    places, (left, right), (bottom, top) = _strip_layout(motion, samples)
+    strip_height = WIDTH * (top - bottom) / (right - left)
+    figure = new_figure(WIDTH, strip_height + ground_height + 0.65)
+    rows = figure.add_gridspec(2, 1, height_ratios=[strip_height, ground_height])
+    strip = figure.add_subplot(rows[0])
+    strip.set(xlim=(left, right), ylim=(bottom, top))
+    _draw_strip(strip, motion, samples, places)
+    strip.set_title(title_line(motion, verdict), loc="left", fontsize=TITLE + 1.0, color=INK)
+    below = rows[1].subgridspec(1, 2 if on_the_spot else 1, width_ratios=[1, 2][: 1 + on_the_spot])
+    ground = figure.add_subplot(below[0])
     draw_above(ground, motion)
     ground.set_title("from above", loc="left", fontsize=TICK, color=FAINT)
     legend_above(figure, [ground])
+    if on_the_spot:
+        _draw_joints(figure.add_subplot(below[1]), motion)
     return figure
+
+
+def title_line(motion: Motion, verdict: str = "") -> str:
+    """Gait, robot and duration, and the verdict if it is known."""
+    text = f"{motion.gait_name} of {motion.robot.spec.name}, {motion.duration:.1f} s"
+    return f"{text}: {verdict}" if verdict else text
+
+
+def _strip_layout(
+    motion: Motion, samples: list[int]
+) -> tuple[list[float], tuple[float, float], tuple[float, float]]:
+    """Place of each pose, and the limits of the strip in x and y [m]; no pose is cut off.
+
+    The poses of a robot that stands have equal distances, and those of one that lies as much room
+    as they need.
+    """
+    unit = float(motion.com[:, 2].max())
+    low, high = np.array([_extent(motion, sample) for sample in samples]).transpose(1, 0, 2)
+    places = [0.0]
+    for i in range(1, len(samples)):
+        needed = high[i - 1, 0] - low[i, 0] + GAP * unit
+        step = SPACING * unit
+        places.append(places[-1] + (step if motion.gait.is_balanced else max(step, needed)))
+    overhang = OVERHANG * unit
+    left = min(-overhang, float((low[:, 0] + places).min()))
+    right = max(places[-1] + overhang, float((high[:, 0] + places).max()))
+    lack = 0.5 * max(((MIN_PLACES - 1) * SPACING + 2 * OVERHANG) * unit - (right - left), 0.0)
+    bottom = min(-CAPTION * unit, float(low[:, 1].min()) - 0.45 * unit)
+    return places, (left - lack, right + lack), (bottom, 1.04 * float(high[:, 1].max()))
+
+
+def _extent(motion: Motion, sample: int) -> tuple[Array, Array]:
+    """Least and largest picture coordinates (2,) of the robot, relative to its place [m]."""
+    corners = box_corners(motion.robot, motion.q[sample]).reshape(-1, 3)
+    points = VIEW.project(corners) - VIEW.project(_centre(motion, sample))
+    return points.min(axis=0), points.max(axis=0)
+
+
+def _draw_joints(axes: Axes, motion: Motion) -> None:
+    """Draw the joints that move most, since a robot on the spot leaves no track."""
+    angles = np.degrees(motion.q[:, FLOATING_BASE_NQ:])
+    most = np.argsort(-np.ptp(angles, axis=0), kind="stable")[:N_JOINTS]
+    style_axes(axes, xlabel="t [s]", ylabel="angle [deg]")
+    colours = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
+    for joint, colour in zip(most, colours, strict=False):
+        name = motion.robot.joint_names[joint].replace("_", " ")
+        axes.plot(motion.times, angles[:, joint], color=colour, linewidth=1.5, label=name)
+    axes.set_title("joints that move most", loc="left", fontsize=TICK, color=FAINT)
+    axes.legend(fontsize=TICK, frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
 def picture_png(motion: Motion) -> bytes:
@@ -62,16 +128,10 @@ def picture_png(motion: Motion) -> bytes:
     return render(picture_strip(motion), "png", few_colours=True)
 
 
-def write_picture(motion: Motion, path: Path, *, force: bool = False) -> Path:
+def write_picture(motion: Motion, path: Path, *, force: bool = False, verdict: str = "") -> Path:
     """Write `picture_strip` as a small PNG; see `save_figures` for the errors."""
-    figures = {path.stem: picture_strip(motion)}
+    figures = {path.stem: picture_strip(motion, verdict=verdict)}
     return save_figures(figures, path.parent, force=force, few_colours=True)[0]
-
-
-def _top(motion: Motion, sample: int) -> float:
-    """Height of the robot above its place in the strip [m]."""
-    corners = box_corners(motion.robot, motion.q[sample]).reshape(-1, 3)
-    return float((corners @ VIEW.up).max() - _centre(motion, sample) @ VIEW.up)
 
 
 def _centre(motion: Motion, sample: int) -> Array:
@@ -105,28 +165,33 @@ def pose_samples(motion: Motion, n_poses: int) -> list[int]:
     return [0, *middles[:n_between], motion.n_samples - 1]
 
 
-def _draw_strip(axes: Axes, motion: Motion, samples: list[int], spacing: float) -> None:
+def _draw_strip(axes: Axes, motion: Motion, samples: list[int], places: list[float]) -> None:
     axes.set_aspect("equal")
     axes.set_axis_off()
-    for i, sample in enumerate(samples):
+    for sample, place in zip(samples, places, strict=True):
         centre = _centre(motion, sample)
         x, y = VIEW.project(centre)
-        offset = np.array([i * spacing - x, -y])
+        offset = np.array([place - x, -y])
         radius, time = NEARBY * float(motion.com[0, 2]), sample * motion.dt
         draw_scene(axes, motion.scene, VIEW, centre, radius, offset, time)
         _draw_points(axes, motion, sample, offset)
         draw_robot(axes, motion.robot, motion.q[sample], VIEW, offset=(offset[0], offset[1]))
-        _caption(axes, motion, sample, i * spacing)
+        _caption(axes, motion, sample, place, axes.get_ylim()[0])
 
 
 def _draw_points(axes: Axes, motion: Motion, sample: int, offset: Array) -> None:
-    """Draw ZMP and CoM, with a line from the CoM to the ground, in front of the robot."""
+    """Draw CoM and ZMP, with a line from the CoM to the ground, in front of the robot.
+
+    A robot that falls or lies has no ZMP.
+    """
     sides = list(Support(motion.support[sample]).sides)
     ground = float(motion.soles[sample, sides, 2].mean())
     com, zmp = motion.com[sample], np.append(motion.zmp[sample], ground)
     ends = VIEW.project([com, [*com[:2], ground]]) + offset
-    axes.plot(*ends.T, color=PURPLE, linewidth=1.0, linestyle=":", zorder=4.0)
-    for point, colour in ((com, PURPLE), (zmp, GREEN)):
+    if motion.gait.is_balanced:
+        axes.plot(*ends.T, color=PURPLE, linewidth=1.0, linestyle=":", zorder=4.0)
+    points = [(com, PURPLE), (zmp, GREEN)]
+    for point, colour in points if motion.gait.is_balanced else points[:1]:
         axes.plot(
             *(VIEW.project(point) + offset),
             marker="o",
@@ -138,10 +203,12 @@ def _draw_points(axes: Axes, motion: Motion, sample: int, offset: Array) -> None
         )
 
 
-def _caption(axes: Axes, motion: Motion, sample: int, x: float) -> None:
+def _caption(axes: Axes, motion: Motion, sample: int, x: float, bottom: float) -> None:
     support = Support(motion.support[sample])
     what = "both soles" if support is Support.DOUBLE else f"{support.label} sole"
     what = what if motion.gait.is_balanced else ""
-    unit = float(motion.com[0, 2])
-    for y, text, colour in ((-0.25, f"{sample * motion.dt:.1f} s", INK), (-0.36, what, FAINT)):
-        axes.text(x, y * unit, text, ha="center", va="center", fontsize=TICK, color=colour)
+    unit = float(motion.com[:, 2].max())
+    for up, text, colour in ((0.15, f"{sample * motion.dt:.1f} s", INK), (0.04, what, FAINT)):
+        axes.text(
+            x, bottom + up * unit, text, ha="center", va="center", fontsize=TICK, color=colour
+        )

@@ -1,0 +1,105 @@
+"""Moving pictures and strips, and the commands that write them."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from mgs.core.errors import ConfigError, MgsError, OutputExistsError
+from mgs.motion import Motion
+from mgs.report.animation import animate
+from mgs.report.picture import VIEW, _strip_layout, picture_strip, pose_samples, title_line
+from mgs.report.robot_drawing import box_corners
+from tests.report.page.conftest import walk
+from tests.support.commands import run
+from tests.support.shipped import generated
+
+__all__ = ["walk"]  # fixture
+
+
+@pytest.fixture(scope="module")
+def file(walk: Motion, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    from mgs.motion_file import write_motion
+
+    return write_motion(walk, tmp_path_factory.mktemp("walk") / "walk.mcap")
+
+
+def test_a_moving_picture_runs_in_real_time_and_moves(walk: Motion, tmp_path: Path):
+    with Image.open(animate(walk, tmp_path / "walk.gif", title="a walk")) as picture:
+        n = picture.n_frames
+        assert n * picture.info["duration"] == pytest.approx(1000 * walk.duration, rel=0.05)
+        assert picture.info["loop"] == 0
+        frames = []
+        for k in (0, n // 2):
+            picture.seek(k)
+            frames.append(np.asarray(picture.convert("RGB"), dtype=np.int16))
+    assert len(np.unique(frames[0].reshape(-1, 3), axis=0)) > 10
+    assert (np.abs(frames[1] - frames[0]).max(axis=2) > 30).mean() > 0.02
+
+
+def test_a_moving_picture_overwrites_nothing_and_has_a_known_ending(walk: Motion, tmp_path: Path):
+    (tmp_path / "walk.gif").write_text("mine")
+    with pytest.raises(OutputExistsError):
+        animate(walk, tmp_path / "walk.gif")
+    with pytest.raises(ConfigError, match=r"\.gif or \.mp4"):
+        animate(walk, tmp_path / "walk.avi")
+
+
+@pytest.mark.skipif(shutil.which("ffmpeg") is not None, reason="ffmpeg is installed")
+def test_without_ffmpeg_no_mp4_is_promised(walk: Motion, tmp_path: Path):
+    with pytest.raises(MgsError, match="ffmpeg"):
+        animate(walk, tmp_path / "walk.mp4")
+
+
+@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
+def test_an_mp4_begins_as_such_a_file_does(walk: Motion, tmp_path: Path):
+    path = animate(walk, tmp_path / "walk.mp4")
+    assert path.read_bytes()[4:8] == b"ftyp"
+
+
+@pytest.mark.parametrize("name", ["melson/get_up", "melson/wave", "melson/walk_practical"])
+def test_no_pose_of_a_strip_is_cut_off_or_covers_another_one_that_lies(name: str):
+    motion = generated(name).stages.motion
+    samples = pose_samples(motion, 8)
+    places, (left, right), (bottom, top) = _strip_layout(motion, samples)
+    last = -np.inf
+    for place, sample in zip(places, samples, strict=True):
+        points = motion.soles[sample, :, :3] if motion.gait.is_balanced else motion.com[[sample]]
+        middle = VIEW.project(points.mean(axis=0) * [1.0, 1.0, 0.0])
+        corners = VIEW.project(box_corners(motion.robot, motion.q[sample]).reshape(-1, 3)) - middle
+        assert left <= corners[:, 0].min() + place and corners[:, 0].max() + place <= right
+        assert bottom <= corners[:, 1].min() and corners[:, 1].max() <= top
+        if not motion.gait.is_balanced:
+            assert corners[:, 0].min() + place > last
+        last = corners[:, 0].max() + place
+
+
+def test_a_motion_on_the_spot_shows_its_joints():
+    strip, _, joints = picture_strip(generated("melson/wave").stages.motion, verdict="good").axes
+    assert strip.get_title(loc="left") == "melson/wave of melson, 7.0 s: good"
+    assert len(joints.get_lines()) == 6
+    assert any("shoulder" in str(line.get_label()) for line in joints.get_lines())
+
+
+def test_plot_writes_strip_and_moving_picture(file: Path, walk: Motion, tmp_path: Path):
+    strip, moving = tmp_path / "strip.png", tmp_path / "walk.gif"
+    result = run("plot", file, "--strip", strip, "--animate", moving)
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert result.stdout.splitlines() == [str(strip), str(moving)]
+    assert not file.with_suffix("").exists()  # no other plot
+    assert run("plot", file, "--strip", strip).exit_code == 1
+    assert run("plot", file, "--strip", tmp_path / "a.jpg").exit_code == 2
+    assert title_line(walk) == "short walk of melson, 3.6 s"
+
+
+def test_replay_records_by_the_ending_of_the_file(file: Path, tmp_path: Path):
+    picture = tmp_path / "replay.png"
+    assert run("replay", file, "--engine", "mujoco", "--record", picture).exit_code == 0
+    with Image.open(picture) as drawn:
+        assert drawn.size[0] > 800
+    assert run("replay", file, "--engine", "mujoco", "--record", picture).exit_code == 1
+    assert run("replay", file, "--record", tmp_path / "a.txt").exit_code == 2
