@@ -7,10 +7,10 @@
 
 H is the integral of 0.35 H_joint + 1.6 H_grav [s] over the whole motion, with the weight shared
 between the soles as planned, for every solver. The closed-loop solver descends the same two costs
-with the gains of scenario 3 of the article on Melson and with multiples of them; multiples that violate joint limits are
-left out. `trajectory` starts in a free posture, or in the posture of the closed-loop solver.
-Torques are computed by inverse dynamics. The time is the processor time of stage 4, the minimum of
-several runs.
+with the gains of scenario 3 of the article on Melson and with multiples of them; multiples that
+violate joint limits are left out. `trajectory` starts in a free posture, or in the posture of the
+closed-loop solver. Torques are computed by inverse dynamics. The time is the processor time of
+stage 4, the minimum of several runs.
 
     python benchmarks/trajectory.py [squat]
 """

@@ -160,6 +160,7 @@ def _replayed(task: TuneTask, motion: Motion, engine: EngineName) -> tuple[float
 
     None: they pass.
     """
+    cases: list[tuple[ServoName, float, float]]
     cases = [(servo, 1.0, 1.0) for servo in task.servos if servo != "pd"]
     cases += [("pd", *case) for case in PD_CASES[: None if engine == min(task.engines) else 1]]
     for i, (servo, sag_deg, friction) in enumerate(cases):
