@@ -13,6 +13,7 @@ from typing import Any
 
 import click
 
+JSON_VERSION = 1  # of what --json prints; a key that is removed or changes its meaning raises it
 SHOW_AFTER = 1.0  # [s] of work before a progress bar appears
 
 json_option = click.option(
@@ -37,8 +38,10 @@ class FiniteRange(click.FloatRange):
         return number
 
 
-def print_json(content: object) -> None:
-    """Print one JSON object on stdout."""
+def print_json(content: object, versioned: bool = True) -> None:
+    """Print one JSON object on stdout, the version of its form first."""
+    if versioned and isinstance(content, dict):
+        content = {"json_version": JSON_VERSION, **content}
     click.echo(json.dumps(content, indent=2, default=str, allow_nan=False))
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mgs.cli.common import force_option, json_option, print_json, with_progress
+from mgs.cli.completion import complete_gait, complete_key, complete_robot, complete_solver
 
 if TYPE_CHECKING:
     from mgs.motion import Motion
@@ -16,23 +17,23 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("gait", metavar="GAIT.yaml")
+@click.argument("gait", metavar="GAIT.yaml", shell_complete=complete_gait)
 @click.option(
     "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
     help="Motion file to write. Default: outputs/ROBOT/GAIT.mcap with the names of robot and "
     "gait.",
 )  # fmt: skip
 @click.option(
-    "--robot", "robot_name", metavar="NAME_OR_DIR",
+    "--robot", "robot_name", metavar="NAME_OR_DIR", shell_complete=complete_robot,
     help="Shipped robot or robot folder to use instead of the robot in the gait file.",
 )  # fmt: skip
 @click.option(
-    "--ik", metavar="NAME",
+    "--ik", metavar="NAME", shell_complete=complete_solver,
     help="Inverse-kinematics solver to use instead of ik.solver in the gait file: clik, ik1 to "
     "ik5, prioritized, prioritized-acceleration, trajectory, or a solver of another package.",
 )  # fmt: skip
 @click.option(
-    "--set", "assignments", metavar="KEY=VALUE", multiple=True,
+    "--set", "assignments", metavar="KEY=VALUE", multiple=True, shell_complete=complete_key,
     help="Change of a value of the gait file, e.g. walk.n_steps=30. May be repeated.",
 )  # fmt: skip
 @click.option(

@@ -14,6 +14,7 @@ from mgs.cli.common import (
     print_json,
     with_progress,
 )
+from mgs.cli.info_text import info_lines
 
 
 @click.command()
@@ -22,8 +23,9 @@ from mgs.cli.common import (
 def info(file: Path, as_json: bool) -> None:
     """Print the contents and the origin of a motion file.
 
-    Prints robot, gait, solver with its parameters, duration, topics and attachments of FILE.mcap,
-    and the physics engines that are installed or missing here. Writes no file.
+    Prints robot, gait, duration, solver with the settings that it uses, topics and attachments of
+    FILE.mcap, and the physics engines that are installed or missing here; with --json everything
+    that is known of its making. Writes no file.
 
     \b
     Example:
@@ -38,17 +40,8 @@ def info(file: Path, as_json: bool) -> None:
         absent = [engine.to_dict() for engine in missing]
         print_json({**content, "engines": engines, "engines_missing": absent})
         return
-    for key, value in content.items():
-        if isinstance(value, dict):
-            click.echo(f"{key}:")
-            for name, entry in value.items():
-                click.echo(f"  {name}: {entry}")
-        elif isinstance(value, list):
-            click.echo(f"{key}:")
-            for entry in value:
-                click.echo("  " + ", ".join(str(part) for part in entry.values()))
-        else:
-            click.echo(f"{key}: {click.format_filename(str(value))}")
+    for text in info_lines(content):
+        click.echo(click.format_filename(text))
     told = ", ".join(f"{name} {version}" for name, version in engines.items())
     click.echo(f"engines: {told or 'none'}")
     for engine in missing:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mgs.cli import verdict_text
+from mgs.cli.colour import bad, good
 from mgs.cli.common import (
     FiniteRange,
     force_option,
@@ -272,7 +273,8 @@ def _draw_sweep(verdict: Verdict, path: Path) -> None:
 
 def _print_verdict(verdict: Verdict) -> None:
     for check in verdict.checks:
-        click.echo(verdict_text.line(check))
+        text = verdict_text.line(check)
+        click.echo((good if check.ok else bad)(text[:4]) + text[4:])
     if verdict.energy is not None:
         click.echo(f"energy: {verdict_text.energy_words(verdict.energy)}")
     for replay in verdict.replays:
@@ -292,4 +294,4 @@ def _print_verdict(verdict: Verdict) -> None:
     for missing in verdict.engines_missing:
         click.echo(missing)
     failed = verdict.failed
-    click.echo(f"FAIL: {', '.join(failed)}" if failed else "PASS")
+    click.echo(bad(f"FAIL: {', '.join(failed)}") if failed else good("PASS"))

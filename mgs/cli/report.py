@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mgs.cli.colour import bad, good
 from mgs.cli.common import force_option, json_option, print_json, progress_bars
 from mgs.cli.servo_options import servo_option
 
@@ -92,7 +93,7 @@ def report(
         return
     for verdict in verdicts:
         failed = ", ".join(verdict.failed)
-        click.echo(f"{verdict.file}: {f'FAIL: {failed}' if failed else 'PASS'}")
+        click.echo(f"{verdict.file}: {bad(f'FAIL: {failed}') if failed else good('PASS')}")
     click.echo(f"{click.format_filename(str(path))}: open it in a web browser")
 
 

@@ -22,12 +22,12 @@ def schema(kind: str) -> None:
     if kind == "gait":
         from mgs.gait import gait_schema
 
-        print_json(gait_schema())
+        print_json(gait_schema(), versioned=False)
     elif kind == "sweep":
         from mgs.library.sweep import Sweep
 
-        print_json(Sweep.model_json_schema())
+        print_json(Sweep.model_json_schema(), versioned=False)
     else:
         from mgs.robot import RobotSpec
 
-        print_json(RobotSpec.model_json_schema())
+        print_json(RobotSpec.model_json_schema(), versioned=False)
