@@ -65,9 +65,10 @@ def _making(made: Mapping[str, Any]) -> Iterator[str]:
     error = made.get("zmp_error")
     if isinstance(error, Mapping):
         told = [error.get(name) for name in ("before", "after")]
-        worst = [e.get("max") if isinstance(e, Mapping) else None for e in told]
-        if all(isinstance(value, float) for value in worst):
-            before, after = (f"{1e3 * value:.2f} mm" for value in worst)
+        worst = [e.get("max") for e in told if isinstance(e, Mapping)]
+        figures = [f"{1e3 * value:.2f} mm" for value in worst if isinstance(value, float)]
+        if len(figures) == len(told):
+            before, after = figures
             passes = error.get("passes")
             yield f"ZMP against its plan: {after} at most; {before} before {passes} corrections"
     if isinstance(made.get("parts"), list):
