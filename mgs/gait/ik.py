@@ -87,7 +87,7 @@ class FarajiParameters(Model):
     bent_start: bool | None = Field(
         None,
         description="Whether the iterations of a sample start with stretched knees and elbows "
-        "slightly bent, in ik2, ik4 and ik5; null: in ik4 and ik5 with more than one iteration.",
+        "slightly bent, in ik2, ik4 and ik5; null: in ik4 and ik5.",
     )
     reserve: bool = Field(
         True,

@@ -131,7 +131,7 @@ class FarajiRun:
         by_gradients = solver.method == 2 and tuning.descent == "conjugate_gradients"
         self.gradients = ConjugateGradients(damping) if by_gradients else None
         bent = solver.method >= 4 if tuning.bent_start is None else tuning.bent_start
-        self.is_bent = bent and self.iterations > 1
+        self.is_bent = bent and (self.gamma > 0.0 or self.iterations > 1)
         self.region = SafetyRegion.of_robot(robot, tuning, tasks.dt)
         self.stretched, self.stretched_at = stretched_joints(robot)
         self.inward = np.where(self.region.middle[self.stretched] > self.stretched_at, 1.0, -1.0)

@@ -116,14 +116,16 @@ def _time_claim(study: Study) -> Claim:
     errors = {key: mean_error(study[Key(SQUAT, *key, "fine")]) for key in methods()}
     rest = [key for key in times if key[0] != "ik1"]
     first = ("ik1", MANY)
-    fastest = times[first] <= min(times[key] for key in rest)
+    fastest = FASTER * times[first] <= min(times[key] for key in rest)
     precise = errors[first] >= FASTER * max(errors[m, MANY] for m in ("ik2", "ik4", "ik5"))
     return Claim(
         "A_fastest",
         "The fastest method is ik1 in this simple test, but it is less precise",
         ", ".join(f"{m} (n = {n}) {1e6 * t:.0f}" for (m, n), t in times.items()) + " us",
         fastest and precise,
-        "median CPU time of a solve; less precise than ik2, ik4 and ik5",
+        "median CPU time of a solve, by 10 % at least; less precise than ik2, ik4 and ik5. Both "
+        "ik1 and ik3 solve one problem per sample: ik1 its closed form in Python, ik3 a quadratic "
+        "program in C, which take the same time",
         {f"{m}, n = {n}": 1e6 * t for (m, n), t in times.items()},
         "FI III-A, Fig. 1",
         ALL,

@@ -77,8 +77,10 @@ def plot_cog(study: Study, gait: str, title: str) -> Figure:
         middle = MM * float(wanted.mean())
         ylim = (middle - 30.0, middle + 30.0) if gait == SWAY else (middle - 5.0, middle + 5.0)
         panels.append(Panel(tuple(lines), name, title if axis == 1 else "", ylim=ylim))
+    target = MM * motion.com_ref
+    marker = "" if gait == SWAY else "o"  # a target at rest is one point
     above = (
-        Line(MM * motion.com_ref[:, 1], MM * motion.com_ref[:, 0], "target", GREEN, width=3.0),
+        Line(target[:, 1], target[:, 0], "target", GREEN, width=3.0, marker=marker),
         Line(MM * played.com[:, 1], MM * played.com[:, 0], PHYSICS, BLUE, width=1.2),
     )
     middle = MM * float(motion.com_ref[:, 0].mean())
