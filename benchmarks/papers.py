@@ -42,7 +42,8 @@ def claim_list(claims: list[Claim]) -> str:
             text += f" {claim.figure}."
             if claim.robustness:
                 text += f" *{claim.robustness[0].upper() + claim.robustness[1:]}.*"
-        items.append(text + (f"\n   {claim.note}." if claim.note else ""))
+        note = claim.note[:1].upper() + claim.note[1:]
+        items.append(text + (f"\n   {note}." if note else ""))
     return "\n".join(items)
 
 

@@ -81,7 +81,7 @@ def robustness(
     if claim.kind == "ours":
         return "ours"
     other = {n: c[claim.id] for n, c in variants.items() if c[claim.id].holds != claim.holds}
-    text = "robust"
+    text = "robust" if variants else "not measured"
     if other:
         verb = "holds" if claim.holds is False else "breaks"
         cases = "; ".join(f"{name} ({c.figure})" for name, c in other.items())

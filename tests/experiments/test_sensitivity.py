@@ -66,6 +66,12 @@ def test_a_variant_that_is_refused_is_reported(monkeypatch: pytest.MonkeyPatch):
     assert found.to_dict()["refused"] == {"huge": "out of reach"}
 
 
+def test_without_a_variant_nothing_is_known_of_the_robustness(monkeypatch: pytest.MonkeyPatch):
+    make_up(monkeypatch, VARIANTS[2:])
+    found = {c.id: c.robustness for c in measure("made_up").claims}
+    assert found["same"] == "not measured; not run at huge"
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_every_experiment_names_its_variants(name: str):
     package = __import__(f"mgs.experiments.{name}", fromlist=["VARIANTS"])

@@ -59,7 +59,7 @@ def _level_e_claims(study: Study) -> list[Claim]:
             "figure eight, eq. (16); roughly maintained means within 5 deg",
             {"with": turns[0][0], "without": turns[1][0]},
             "MNCS III",
-            ("(16)",),
+            ("eq. (16)",),
         ),
         Claim(
             "level_e_drift",
@@ -72,7 +72,7 @@ def _level_e_claims(study: Study) -> list[Claim]:
             "meets a part only, still approaches its references",
             {"with": drifts[0], "without": drifts[1]},
             "MNCS III",
-            ("(16)",),
+            ("eq. (16)",),
         ),
     ]
 
@@ -91,7 +91,7 @@ def _accuracy_claim(study: Study) -> Claim:
         f"and with errors clipped to 10 mm per sample {1e3 * clip:.1f} mm",
         {**hand, "projected": ours, "clip": clip},
         "MNCS III",
-        ("(16)", "tracking"),
+        ("eq. (16)", "tracking"),
     )
 
 
@@ -115,7 +115,7 @@ def _guarantee_claims(study: Study) -> list[Claim]:
             f"{speeds[EQUATION_16]:.0f} rad/s, and the curvature of such steps moves soles and CoG",
             errors,
             "MNCS III",
-            ("(16)",),
+            ("eq. (16)",),
         ),
         Claim(
             "algorithmic",
@@ -127,7 +127,7 @@ def _guarantee_claims(study: Study) -> list[Claim]:
             f"form with the bounds of mgs: {speeds[TRACKING]:.1f} rad/s",
             speeds,
             "MNCS III",
-            ("(16)",),
+            ("eq. (16)",),
         ),
     ]
 
@@ -150,7 +150,7 @@ def _footnote_claim(study: Study) -> Claim:
         f"{1e3 * hand[EQUATION_16]:.1f} mm; lambda 0.02",
         errors,
         "MNCS footnote 3",
-        ("(16)", "footnote 3"),
+        ("eq. (16)", "footnote 3"),
     )
 
 
@@ -174,7 +174,7 @@ def _acceleration_claims(study: Study) -> list[Claim]:
             "largest error of level A with eqs. (18) and (20) to (22); within 0.1 mm",
             errors,
             "MNCS III",
-            ("(18)",),
+            ("eq. (18)",),
         ),
         Claim(
             "acceleration_same",
@@ -186,7 +186,7 @@ def _acceleration_claims(study: Study) -> list[Claim]:
             "and least acceleration in the other",
             {"dt 0.01": gaps[0], "dt 0.001": gaps[1]},
             kind="ours",
-            methods=("(16)", "(18)"),
+            methods=("eq. (16)", "eq. (18)"),
         ),
     ]
 
@@ -204,5 +204,5 @@ def _feedback_claim(study: Study) -> Claim:
         "sway, eq. (16), dt 0.01",
         {"feedback": met, "none": loose},
         kind="ours",
-        methods=("(16)",),
+        methods=("eq. (16)",),
     )

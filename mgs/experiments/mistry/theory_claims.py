@@ -59,7 +59,7 @@ def _equation_7_claim(study: Study) -> Claim:
         "largest errors of sway and figure eight, all tasks in one level; within 0.1 mm",
         values,
         "MNCS II-B",
-        ("(7)",),
+        ("eq. (7)",),
     )
 
 
@@ -82,7 +82,7 @@ def _edges_claim(study: Study) -> Claim:
         ranks == {"two edges": 6, "two edges in line": 5, "one edge": 5},
         "rank of J_C^b for COMAN on the heel of one sole and the toe or heel of the other",
         source="MNCS II-B, Fig. 3, 4",
-        methods=("(10)",),
+        methods=("eq. (10)",),
     )
 
 
@@ -98,7 +98,7 @@ def _minimum_claim(study: Study) -> Claim:
         five < 6 and set(phases.values()) == {6},
         "rank of J_C^b; that eq. (10) gives the base velocity is a test of the code",
         source="MNCS II-B",
-        methods=("(10)",),
+        methods=("eq. (10)",),
     )
 
 
@@ -116,7 +116,7 @@ def _switch_claims(study: Study) -> list[Claim]:
             "eq. (16) as printed in a walk of Melson, dt 0.01",
             {"switch": printed[0], "elsewhere": printed[1]},
             "MNCS II-B",
-            ("(16)",),
+            ("eq. (16)",),
         ),
         Claim(
             "handover",
@@ -144,7 +144,7 @@ def _knees_claim(study: Study) -> Claim:
         "rows in m and rad",
         {"straight": straight, "standing": standing},
         "MNCS III",
-        ("(12)",),
+        ("eq. (12)",),
     )
 
 
@@ -161,5 +161,5 @@ def _upright_claim(study: Study) -> Claim:
         "smallest singular value along the motions, every tenth sample",
         least,
         "MNCS III",
-        ("(12)",),
+        ("eq. (12)",),
     )

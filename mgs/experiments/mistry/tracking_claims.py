@@ -37,7 +37,7 @@ def _cog_claims(study: Study) -> list[Claim]:
             "largest horizontal error of the plan, within 0.1 mm; in physics see cog_lag",
             {"error": errors[0]},
             "MNCS IV-B, Fig. 6",
-            ("(16)",),
+            ("eq. (16)",),
         ),
         Claim(
             "cog_lag",
@@ -49,7 +49,7 @@ def _cog_claims(study: Study) -> list[Claim]:
             "a lag counts from one sample of 10 ms on",
             {"lag": lag, "front": ahead, "droop": droop},
             "MNCS V, Fig. 6",
-            ("(16)",),
+            ("eq. (16)",),
         ),
         Claim(
             "cog_gains",
@@ -61,7 +61,7 @@ def _cog_claims(study: Study) -> list[Claim]:
             "of the integration only; the paper closes the loop over the measured CoG",
             {"0.5": errors[0], "0.02": errors[1]},
             "MNCS V",
-            ("(16)",),
+            ("eq. (16)",),
         ),
     ]
 
@@ -84,7 +84,7 @@ def _hand_claims(study: Study) -> list[Claim]:
             f"{1e3 * com_played:.1f} mm",
             {"hand": hand, "com": com, "hand played": hand_played, "com played": com_played},
             "MNCS IV-C, Fig. 7 to 9",
-            ("(16)",),
+            ("eq. (16)",),
         ),
         Claim(
             "hand_physics",
@@ -94,7 +94,7 @@ def _hand_claims(study: Study) -> list[Claim]:
             "MuJoCo, servos of robot.yaml without feed-forward",
             {"hand": hand_played, "com": com_played},
             "MNCS IV-C, Fig. 7 to 9",
-            ("(16)",),
+            ("eq. (16)",),
         ),
         Claim(
             "arm_does_not_interfere",
@@ -105,7 +105,7 @@ def _hand_claims(study: Study) -> list[Claim]:
             "largest horizontal error, within 0.1 mm",
             {"moving": com, "rest": horizontal_com_error(rest)},
             "MNCS IV-C",
-            ("(16)",),
+            ("eq. (16)",),
         ),
     ]
 
