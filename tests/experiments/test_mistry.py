@@ -101,15 +101,16 @@ def test_without_feedback_the_soles_drift():
 def test_equation_10_gives_the_base_velocity_along_a_motion():
     """Both velocities are central differences of the motion, so that the error falls with dt^2."""
     gaps = []
-    for variant in ("", "fine"):
-        motion = generated(Key(SWAY, VELOCITY, TRACKING, variant)).motion
+    for dt in (0.01, 0.005):
+        gait = gait_of(Key(SWAY, VELOCITY, TRACKING), Variant("", (f"dt={dt}",)))
+        motion = run_stages(load_robot("coman"), gait, "sway").motion
         tasks, worst = BodyTasks(load_robot("coman"), SOLES), 0.0
         for q, v in zip(motion.q[1:-1:50], motion.v[1:-1:50], strict=True):
             tasks.update(q)
             worst = max(worst, float(np.abs(base_velocity(tasks.J, v[6:]) - v[:6]).max()))
         gaps.append(worst)
     assert gaps[0] < 1e-4
-    assert gaps[1] < 0.1 * gaps[0]
+    assert gaps[1] < 0.35 * gaps[0]
 
 
 def test_a_lag_is_found_between_samples():
