@@ -87,7 +87,7 @@ def test_a_step_is_the_nearest_within_the_bounds(melson: Robot, seed: int, lower
     assert np.all(step >= low - 1e-12) and np.all(step <= high + 1e-12)
     assert_allclose(J @ step, error, atol=1e-8)
 
-    gentle = 0.2  # dt over the time in which a joint approaches its limit
+    gentle = 0.1  # dt over the time in which a joint approaches its limit
     ranges = (melson.lower - q, melson.upper - q)
     boxes = [
         (np.maximum(-stride, share * ranges[0]), np.minimum(stride, share * ranges[1]))

@@ -22,7 +22,7 @@ from mgs.core.arrays import Array
 from mgs.ik_solver.qp import EQUALITY, SOLVED, TOLERANCE
 from mgs.robot import Robot
 
-APPROACH_TIME = 0.05  # [s] a joint nears its limit by at most the remaining way in this time
+APPROACH_TIME = 0.1  # [s] a joint nears its limit by at most the remaining way in this time
 MISS_WEIGHT = 1e6  # of squared task errors where no step within the limits meets the tasks
 SPEED_SHARE = 1.0 - 1e-9  # of the speed limit, so that rounded differences keep it too
 
