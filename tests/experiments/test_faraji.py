@@ -53,6 +53,8 @@ UNTESTED = {
     "minor_iterations",
     "robot",
     "electronics",
+    "acceleration_limits",
+    "crouched_hardware",
     "balance_endangered",
     "mechanics",
 }

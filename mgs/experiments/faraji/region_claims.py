@@ -83,7 +83,7 @@ def _gamma_claims(study: Study) -> list[Claim]:
             delays["gamma 0"] >= FASTER * delays["gamma 10"],
             "delay of the knee at 15 deg, ik4",
             delays,
-            "FI III-F, Fig. 5",
+            "FI III-F, Fig. 5; FI-abstract 4",
             ("ik4",),
         ),
         Claim(
@@ -148,6 +148,16 @@ def _large_gamma_claims(study: Study) -> list[Claim]:
             "FI III-F, Table I",
             ("ik4", "ik5"),
         ),
+        Claim(
+            "F_slower",
+            "Slower tasks might still be stable with larger gamma",
+            f"ik4 {turns['ik4']:.1f}, ik5 {turns['ik5']:.1f}",
+            max(turns["ik4"], turns["ik5"]) <= VIBRATION,
+            "additional reversals of the knee per period with gamma = 100, squat at 1 Hz",
+            {m: turns[m] for m in ("ik4", "ik5")},
+            "FI III-F, Table I",
+            ("ik4", "ik5"),
+        ),
     ]
 
 
@@ -163,6 +173,7 @@ def _current_claims(study: Study) -> list[Claim]:
         "gamma 10": _peak_after_escape(study, plain, j),
     }
     back = _least_after_escape(study, plain, j)
+    arrival = _arrival(study, plain, j)
     return [
         Claim(
             "F_drop",
@@ -172,6 +183,17 @@ def _current_claims(study: Study) -> list[Claim]:
             "median knee torque below 5 deg of bend relative to that above 30 deg; the current of "
             "the motor model is proportional to the torque",
             {"ratio": drop},
+            "FI Fig. 6",
+            ("ik4",),
+        ),
+        Claim(
+            "F_safe",
+            "Thanks to the circular region the knee does not hit its limit with high current",
+            f"{arrival:.2f} of the largest current",
+            arrival <= DRASTIC,
+            "largest current of the knee while it closes below 5 deg, relative to its largest "
+            "current of all",
+            {"ratio": arrival},
             "FI Fig. 6",
             ("ik4",),
         ),
@@ -199,6 +221,15 @@ def _current_claims(study: Study) -> list[Claim]:
             ("ik4",),
         ),
     ]
+
+
+def _arrival(study: Study, run: Run, j: int) -> float:
+    """Largest current of a knee that closes near its limit, relative to the largest of all."""
+    current = np.abs(current_of_joints(study.robot, run)[1:-1, j])
+    angle, speed = np.degrees(run.joints[run.window, j])[1:-1], run.speeds()[:, j]
+    # a torque rests on the steps before and after its sample
+    closing = (angle < STRAIGHT_DEG) & (speed[:-1] < 0.0) & (speed[1:] < 0.0)
+    return float(current[closing].max(initial=0.0) / current.max())
 
 
 def _windows(study: Study, run: Run, j: int, seconds: float) -> list[slice]:

@@ -31,6 +31,20 @@ ROWS = (  # id, sentence, reason, source
         "FI Fig. 7",
     ),
     (
+        "acceleration_limits",
+        "Limits of the accelerations might add oscillations and do not help to leave the "
+        "singularity faster",
+        "an argument of the paper about constraints that neither it nor mgs implements",
+        "FI III-F",
+    ),
+    (
+        "crouched_hardware",
+        "Crouched postures caused higher torques, less precise tracking, lasting deflections of "
+        "springs, backlash and heat",
+        "experience with the robot that the paper reports without figures; G_knee has the torques",
+        "FI I; FI-abstract 1, 2",
+    ),
+    (
         "balance_endangered",
         "Hip angles of ik2 that the robot cannot reach might endanger the balance, as the "
         "accompanying video shows",
