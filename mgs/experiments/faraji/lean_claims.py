@@ -130,7 +130,9 @@ def twist_claims(study: Study) -> list[Claim]:
     slow = study[Key(TWIST, "ik4", MANY, "slow")]
     best = slow.stages.motion.com[slow.window, 2]
     heights = {m: run.stages.motion.com[run.window, 2] for m, run in runs.items()}
-    lag = float(np.max(best - heights["ik4"])) if len(best) == len(heights["ik4"]) else np.inf
+    phase = np.linspace(0.0, 1.0, len(heights["ik4"]))  # both windows hold the same periods
+    best = np.interp(phase, np.linspace(0.0, 1.0, len(best)), best)
+    lag = float(np.max(best - heights["ik4"]))
     apart = knee_difference_deg(study, runs["ik4"])
     ranges = {m: knee_range_deg(study, run) for m, run in runs.items()}
     fates = {m: survival(study, runs[m]) for m in ("ik1", "ik3")}
