@@ -14,7 +14,6 @@ from mgs.cli.common import (
     print_json,
     with_progress,
 )
-from mgs.cli.info_text import info_lines
 
 
 @click.command()
@@ -31,6 +30,7 @@ def info(file: Path, as_json: bool) -> None:
     Example:
       mgs info walk.mcap
     """  # noqa: D301
+    from mgs.cli.info_text import info_lines
     from mgs.core.engines import engine_versions, missing_engines
     from mgs.motion_file import read_info
 

@@ -22,7 +22,7 @@ def test_an_improved_motion_is_written_and_reported(walk_file: Path, tmp_path: P
     path = tmp_path / "better.mcap"
     result = run("refine", walk_file, *QUICK, "-o", path, "--json")
     told = json.loads(result.stdout)
-    assert set(told) == {"file", "improved", "before", "after", "attempts"}
+    assert set(told) == {"json_version", "file", "improved", "before", "after", "attempts"}
     assert result.exit_code == (0 if told["improved"] else 1)
     assert told["improved"], told  # a short walk on compliant servos deviates enough from its plan
     assert told["after"][0]["tilt_rms_deg"] < told["before"][0]["tilt_rms_deg"]
