@@ -48,7 +48,8 @@ def test_the_best_walk_is_written_with_a_page_and_a_picture(tmp_path: Path):
     told = json.loads(result.stdout)
     assert result.exit_code == 0, told["after"]
     assert set(told) == {
-        "json_version", "file", "objective", "robot", "trials", "seconds", "best", "importance", "before", "after",
+        "json_version",
+        "file", "objective", "robot", "trials", "seconds", "best", "importance", "before", "after",
     }  # fmt: skip
     gait = load_gait(path)
     assert isinstance(gait, WalkGait)
