@@ -70,7 +70,7 @@ def test_the_verdict_in_words_states_that_falling_was_not_checked(walk_file: Pat
     lines = result.stdout.splitlines()
     assert lines[-1] == "PASS"
     assert lines[-2] == "no replay in physics: falling was not checked"
-    assert lines[-3].startswith("positive joint work ")
+    assert lines[-3].startswith("energy: positive joint work ")
     assert all(line.startswith("ok   ") for line in lines[:-3])
 
 
