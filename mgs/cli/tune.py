@@ -86,9 +86,9 @@ DEFAULT_MINUTES = 10.0
     help="Ranges of the random conditions. Default: wide for robust, else lab.",
 )  # fmt: skip
 @click.option(
-    "--draws", type=click.IntRange(1, 10_000),
-    help="Number of random conditions for each walk, in each engine with each kind of servos. "
-    "Default: 24 for robust, else 8.",
+    "--draws", type=click.IntRange(0, 10_000),
+    help="Number of random conditions for each walk with each kind of servos; for robust in each "
+    "engine, else in the fastest one. 0: none, not for robust. Default: 24 for robust, else 8.",
 )  # fmt: skip
 @click.option(
     "--final-draws", type=click.IntRange(0, 100_000), default=100,

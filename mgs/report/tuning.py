@@ -83,6 +83,7 @@ def _draw_importance(axes: Axes, search: Search) -> None:
     axes.barh([key for key, _ in items], [value for _, value in items], color=BLUE, height=0.65)
     axes.tick_params(axis="y", labelsize=TICK)
     if not items:
+        axes.set(xticks=[], yticks=[])
         axes.text(0.5, 0.5, "too few walks", transform=axes.transAxes, ha="center", color=FAINT)
 
 
@@ -99,11 +100,12 @@ def tuning_page(
         picture: file of the picture, relative to the page.
     """
     task = search.task
+    minutes = sum(trial.seconds for trial in search.trials) / 60.0
     lines = [
         f"# {title}",
         "",
         f"Objective: {task.objective} ({UNITS[task.objective]}). {len(search.trials)} walks were "
-        f"judged in {search.seconds / 60.0:.1f} min. Random conditions of the search: "
+        f"judged in {minutes:.1f} min of one process. Random conditions of the search: "
         f"{task.n_draws} draws of `{task.ranges}` in each column, seed {task.seed}; the rates "
         "below are of other draws.",
         "",

@@ -123,8 +123,8 @@ def evaluate(task: TuneTask, values: Mapping[str, Value], best: float = 0.0) -> 
         rates = _rates(figures)
         score = 0.99 * min(rates) + 0.01 * sum(rates) / len(rates)
         return Found(score, STAGES[-1], "", score <= best, figures)
-    figures |= _survival(task, motion, min(task.engines), LEAST_RATE)
-    if (least := min(_rates(figures))) < LEAST_RATE:
+    figures |= _survival(task, motion, min(task.engines), LEAST_RATE) if task.n_draws else {}
+    if (least := min(_rates(figures), default=1.0)) < LEAST_RATE:
         told = f"survives {least:.2f} of the random conditions"
         return Found(least - 1.0, STAGES[4], told, False, figures)
     return Found(known, STAGES[-1], "", False, figures)

@@ -47,8 +47,8 @@ def make_task(
         pins: assignments `key=value` of keys that are not varied.
         frees: `key=low:high` or `key=value,value` of keys that are varied so.
         ranges: random conditions, "wide" or "lab"; None: "wide" for robustness, else "lab".
-        n_draws: random conditions in each engine with each kind of servos; None: 24 for
-            robustness, else 8.
+        n_draws: random conditions in each engine with each kind of servos; 0: none, not for
+            robustness; None: 24 for robustness, else 8.
         seed: of the random conditions.
 
     Raises:
@@ -58,6 +58,8 @@ def make_task(
         raise ConfigError(f"{gait.motion} gait", "only a walk (motion: walk) can be tuned")
     resolved = for_robot(gait, robot)
     assert isinstance(resolved, WalkGait)
+    if objective == "robust" and n_draws == 0:
+        raise ConfigError("--draws", "robustness cannot be sought without random conditions")
     space = make_space(robot, resolved, objective, speed=speed, pins=pins, frees=frees)
     score = 0.0
     if objective in SAVING:
@@ -70,7 +72,7 @@ def make_task(
         engines=engines,
         servos=servos_for(robot),
         ranges=ranges or RANGES_OF[objective],
-        n_draws=n_draws or N_DRAWS[objective],
+        n_draws=N_DRAWS[objective] if n_draws is None else n_draws,
         seed=seed,
         least_margin=margin or 0.0,
         least_score=score,

@@ -18,13 +18,14 @@ from mgs.core.contact import Side
 from mgs.core.errors import ConfigError
 from mgs.gait import WalkGait
 from mgs.gait.walk import SwingProfile
+from mgs.motion_planner.phases import MIN_SAMPLES
 from mgs.motion_planner.standing import MIN_ARM_JOINTS, standing_figures
 from mgs.robot import Robot, leg_length, midpoint_width
 from mgs.robot.limbs import arm_joints
 from mgs.search.tune.objective import LEAST_CLEARANCE, ObjectiveName
 
 Value = float | str
-DIGITS = 4  # significant digits of a value that is tried
+DIGITS = 4  # significant digits of a value that is tried, or of the distance of its bounds
 TIMES = ("walk.single_support", "walk.double_support")  # rounded to whole samples
 STEP_KEYS = ("walk.step_length", "walk.lateral", "walk.step_yaw")
 
@@ -109,8 +110,12 @@ class Space:
         if isinstance(value_at(self.gait, key), int):
             return round(value)
         if key in TIMES:
-            return round(max(1, round(value / self.gait.dt)) * self.gait.dt, 6)
-        return float(f"{value:.{DIGITS}g}")
+            samples = max(MIN_SAMPLES, round(value / self.gait.dt))
+            return round(samples * self.gait.dt, 6)
+        bounds = {p.key: p for p in self.parameters}.get(key)
+        if bounds is None or bounds.log:
+            return float(f"{value:.{DIGITS}g}")
+        return round(value, DIGITS - 1 - math.floor(math.log10(bounds.high - bounds.low)))
 
 
 def step_duration(gait: WalkGait) -> float:
