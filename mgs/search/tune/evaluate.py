@@ -151,8 +151,8 @@ def judge_plan(task: TuneTask, motion: Motion) -> Found:
 
 
 def _excess(check: Check) -> float:
-    """By how much a failed check exceeds its limit, as part of it; 1 where the limit is 0."""
-    return min(3.0, abs(check.value - check.limit) / abs(check.limit)) if check.limit else 1.0
+    """By how much a failed check exceeds its limit, in logarithms; 1 where the limit is 0."""
+    return math.log1p(abs(check.value - check.limit) / abs(check.limit)) if check.limit else 1.0
 
 
 def _replayed(task: TuneTask, motion: Motion, engine: EngineName) -> tuple[float, str] | None:
