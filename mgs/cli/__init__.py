@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import traceback
+
 import click
 
 from mgs import __version__
 from mgs.cli.lazy_group import LazyCommand, LazyGroup
 from mgs.cli.process import prepare_process
 from mgs.core.errors import MgsError
+from mgs.core.foreign import described
+from mgs.core.short_text import printable
 
 COMMANDS = {
     "generate": LazyCommand("mgs.cli.generate", "Make a motion file from a gait file."),
@@ -46,29 +50,44 @@ COMMANDS = {
 
 
 class _Message(click.ClickException):
-    """An MgsError as an exception that click prints."""
+    """An error as an exception that click prints, control characters escaped."""
 
-    def __init__(self, error: MgsError) -> None:
-        super().__init__(str(error))
-        self.exit_code = error.exit_code  # type: ignore[misc]
+    def __init__(self, message: str, exit_code: int = 1) -> None:
+        super().__init__(printable(message))
+        self.exit_code = exit_code  # type: ignore[misc]
 
 
 class ErrorsAsMessages(LazyGroup):
-    """Command group that prints an MgsError as one message on stderr and sets its exit code."""
+    """Command group that prints every error as one message on stderr and sets the exit code."""
 
     def invoke(self, ctx: click.Context) -> object:
         """Run the command."""
         try:
             return super().invoke(ctx)
-        except MgsError as error:
-            raise _Message(error) from error
-        except BrokenPipeError:
-            raise  # the reader of stdout has closed the pipe; click exits without a message
-        except OSError as error:
-            what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
-            raise click.ClickException(what) from error
-        except MemoryError as error:
-            raise click.ClickException("not enough memory for this command") from error
+        except (click.exceptions.Exit, click.Abort, click.ClickException):
+            raise
+        except Exception as error:
+            if ctx.params.get("debug"):
+                traceback.print_exception(error)
+            raise self._told(error) from error
+
+    def _told(self, error: Exception) -> Exception:
+        """The message that an exception becomes; the exception itself if click deals with it."""
+        match error:
+            case MgsError():
+                return _Message(str(error), error.exit_code)
+            case BrokenPipeError():
+                return error  # the reader of stdout has closed the pipe; there is no message
+            case OSError():
+                return _Message(
+                    f"{error.filename}: {error.strerror}" if error.filename else str(error)
+                )
+            case MemoryError():
+                return _Message("not enough memory for this command")
+        return _Message(
+            f"unforeseen error in mgs: {described(error)}; mgs --debug COMMAND shows where it "
+            "happened, please report it"
+        )
 
 
 @click.group(
@@ -77,7 +96,8 @@ class ErrorsAsMessages(LazyGroup):
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 @click.version_option(__version__, prog_name="mgs")
-def main() -> None:
+@click.option("--debug", is_flag=True, help="Show the traceback of an error.")
+def main(debug: bool) -> None:
     """Generate motions for position-controlled humanoid robots offline.
 
     mgs generate turns a gait file (YAML) into a motion file (MCAP): a joint trajectory that the
@@ -94,4 +114,5 @@ def main() -> None:
     Exit codes: 0 success; 1 the motion fails or the work could not be done; 2 malformed input or
     wrong usage.
     """  # noqa: D301
+    del debug  # ErrorsAsMessages looks at it
     prepare_process()

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mgs.cli.common import ProgressBar, json_option, print_json
+from mgs.cli.common import FiniteRange, ProgressBar, json_option, print_json, say
 from mgs.cli.judge import engines_of
 from mgs.cli.servo_options import servo_option
 
@@ -69,13 +69,13 @@ def plan(sweep: Path, show: int, as_json: bool) -> None:
         )
         return
     filtered = f" ({found.n_filtered} more are filtered out)" if found.n_filtered else ""
-    click.echo(f"{len(found.points)} gaits{filtered}, variations of {found.base}")
+    say(f"{len(found.points)} gaits{filtered}, variations of {found.base}")
     for gait in first:
-        click.echo(f"{gait['number']:6d}  {'  '.join(gait['set'])}")
+        say(f"{gait['number']:6d}  {'  '.join(gait['set'])}")
         if gait["problem"]:
-            click.echo(f"        invalid gait: {gait['problem']}")
+            say(f"        invalid gait: {gait['problem']}")
     if len(first) < len(found.points):
-        click.echo(f"   and {len(found.points) - len(first)} more")
+        say(f"   and {len(found.points) - len(first)} more")
 
 
 def _shown(plan: Plan, number: int) -> dict[str, Any]:
@@ -114,6 +114,11 @@ def _shown(plan: Plan, number: int) -> dict[str, Any]:
 )  # fmt: skip
 @servo_option
 @click.option(
+    "--timeout", metavar="SECONDS", type=FiniteRange(1.0, 1e6), default=600.0,
+    help="Time limit of one gait [s]; a gait that takes longer gets the verdict lost. Default: "
+    "600.",
+)  # fmt: skip
+@click.option(
     "--resume", is_flag=True,
     help="Continue an unfinished library: make the gaits that are missing or damaged, keep the "
     "others.",
@@ -128,6 +133,7 @@ def run(
     address: str | None,
     physics: str,
     servo: ServoName,
+    timeout: float,
     resume: bool,
     as_json: bool,
 ) -> None:
@@ -164,7 +170,7 @@ def run(
     from mgs.library.run import recipe_of, run_batch
 
     found = plan_sweep(sweep)
-    recipe = recipe_of(found, engines, servo)
+    recipe = recipe_of(found, engines, servo, timeout)
     folder = output or Path("outputs") / sweep.stem
     bar = _Bar()
     try:
@@ -195,7 +201,7 @@ class _Bar:
         """Show the progress of the run."""
         self._summary = summary
         if not self._said and summary.dashboard:
-            click.echo(f"dashboard: {summary.dashboard}", err=True)
+            say(f"dashboard: {summary.dashboard}", err=True)
         self._said = True
         self._bar(summary.kept + summary.done, summary.n)
 
@@ -211,13 +217,13 @@ class _Bar:
 
 def _print(summary: Summary) -> None:
     kept = f", {summary.kept} already present" if summary.kept else ""
-    click.echo(
+    say(
         f"{click.format_filename(str(summary.folder))}: {summary.n} gaits{kept}; "
         f"{summary.done} made in {summary.seconds:.1f} s by {summary.workers} workers "
         f"({summary.rate:.2f} gaits/s)"
     )
     for verdict in ("pass", "fail", "infeasible", "lost"):
         if n := summary.verdicts[verdict]:
-            click.echo(f"{n:8d}  {verdict}")
+            say(f"{n:8d}  {verdict}")
     for reason, n in summary.reasons.most_common(20):
-        click.echo(f"{n:8d}      {reason}")
+        say(f"{n:8d}      {reason}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -13,7 +14,11 @@ from typing import Any
 
 import click
 
+from mgs.core.short_text import printable
+
 JSON_VERSION = 1  # of what --json prints; a key that is removed or changes its meaning raises it
+MOST_DIGITS = 4000  # of an integer in JSON output
+COLOUR = re.compile("(\x1b\\[[0-9;]*m)")
 SHOW_AFTER = 1.0  # [s] of work before a progress bar appears
 
 json_option = click.option(
@@ -38,11 +43,41 @@ class FiniteRange(click.FloatRange):
         return number
 
 
+def say(text: object, *, nl: bool = True, err: bool = False) -> None:
+    """Print a text, and the end of the line if `nl` is set, its control characters escaped.
+
+    Names and messages may come from files of others, whose escape sequences must not reach the
+    terminal; those that only choose a colour may.
+    """
+    parts = (
+        part if COLOUR.fullmatch(part) else printable(part) for part in COLOUR.split(str(text))
+    )
+    click.echo("".join(parts), nl=nl, err=err)
+
+
 def print_json(content: object, versioned: bool = True) -> None:
-    """Print one JSON object on stdout, the version of its form first."""
+    """Print one JSON object on stdout, the version of its form first.
+
+    Numbers that are not finite, which JSON lacks, are null.
+    """
     if versioned and isinstance(content, dict):
         content = {"json_version": JSON_VERSION, **content}
-    click.echo(json.dumps(content, indent=2, default=str, allow_nan=False))
+    click.echo(json.dumps(_as_json(content), indent=2, default=str, allow_nan=False))
+
+
+def _as_json(content: Any) -> Any:
+    """Content with null for numbers that are not finite, and without halves of characters."""
+    if isinstance(content, dict):
+        return {_as_json(str(key)): _as_json(value) for key, value in content.items()}
+    if isinstance(content, list | tuple):
+        return [_as_json(entry) for entry in content]
+    if isinstance(content, float):
+        return content if math.isfinite(content) else None
+    if isinstance(content, str):
+        return content.encode("utf-8", "backslashreplace").decode()
+    if isinstance(content, int) and abs(content) >= 10**MOST_DIGITS:
+        return None  # Python writes no longer numbers
+    return content
 
 
 class ProgressBar:

@@ -14,6 +14,7 @@ from mgs.cli.common import (
     force_option,
     json_option,
     print_json,
+    say,
     with_progress,
 )
 from mgs.cli.judge import engines_of
@@ -97,8 +98,7 @@ def envelope(
       mgs envelope coman --gait coman/walk --times 0.6,0.8,1.0 --resolution 0.02
       mgs envelope melson --servo ideal --set walk.com_height=0.25
     """  # noqa: D301
-    from mgs.core.atomic_files import replace_file
-    from mgs.core.errors import OutputExistsError
+    from mgs.core.atomic_files import refuse_taken, replace_file
     from mgs.report import plot_envelope, save_figures
     from mgs.robot import leg_length, load_robot
     from mgs.search.envelope import default_step_times, find_envelope
@@ -116,8 +116,7 @@ def envelope(
     folder = output or Path("outputs") / Path(robot_name).name / "envelope"
     record, best = folder / "envelope.json", folder / "fastest.yaml"
     for path in (record, best, folder / "envelope.png"):
-        if path.is_dir() or (path.exists() and not force):
-            raise OutputExistsError(path)
+        refuse_taken(path, force)
 
     def keep(found: Envelope) -> None:
         replace_file(record, json.dumps(found.to_dict(), indent=2).encode())
@@ -186,21 +185,21 @@ def _print(found: Envelope, folder: Path) -> None:
             reasons = [p for p in found.probes if p.step_time == time]
             shortest = min(reasons, key=lambda p: p.step_length)
             failed = ", ".join(shortest.failed)
-            click.echo(f"{time:6.2f} s  no step passes; the shortest one fails {failed}")
+            say(f"{time:6.2f} s  no step passes; the shortest one fails {failed}")
             continue
         longer = [p for p in found.probes if p.step_time == time and not p.passed]
         stop = min(longer, key=lambda p: p.step_length, default=None)
         failed = "" if stop is None else ", ".join(stop.failed)
         why = "" if stop is None else f"; {stop.step_length:.3f} m fails {failed}"
-        click.echo(
+        say(
             f"{time:6.2f} s  {probe.step_length:.3f} m  {probe.speed:.3f} m/s  "
             f"ZMP margin {1e3 * (probe.zmp_margin or 0.0):.1f} mm{why}"
         )
     fastest = found.fastest
     if fastest is None:
-        click.echo(f"no walk passes; results are in {folder}")
+        say(f"no walk passes; results are in {folder}")
         return
-    click.echo(
+    say(
         f"fastest walk: steps of {fastest.step_length:.3f} m in {fastest.step_time:.2f} s, "
         f"{fastest.speed:.3f} m/s, Froude number {found.froude(fastest):.4f} "
         f"(leg length {found.leg_length:.3f} m); {folder / 'fastest.yaml'}"

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from mgs import experiments
-from mgs.cli.common import ProgressBar, json_option, print_json, with_progress
+from mgs.cli.common import ProgressBar, json_option, print_json, say, with_progress
 from mgs.experiments import Claim
 from mgs.experiments.sensitivity import Sensitivity, measure
 
@@ -92,7 +92,7 @@ def experiment(
         return
     _print_claims(claims)
     if folder is not None:
-        click.echo(f"figures in {folder}")
+        say(f"figures in {folder}")
 
 
 def _print_sensitivity(name: str, as_json: bool) -> None:
@@ -104,9 +104,9 @@ def _print_sensitivity(name: str, as_json: bool) -> None:
         print_json({"experiment": name, **found.to_dict()})
         return
     _print_claims(found.claims)
-    click.echo(f"variants: {', '.join(found.variants) or 'none'}")
+    say(f"variants: {', '.join(found.variants) or 'none'}")
     for variant, reason in found.refused.items():
-        click.echo(f"not run: {variant}: {reason}")
+        say(f"not run: {variant}: {reason}")
 
 
 def _design(gait: str, robot: str | None, folder: Path | None, as_json: bool) -> None:
@@ -122,27 +122,27 @@ def _design(gait: str, robot: str | None, folder: Path | None, as_json: bool) ->
     if as_json:
         print_json(found.to_dict())
         return
-    click.echo(
+    say(
         f"{found.gait} on {found.robot}: generator {found.generator}, dt {found.dt:g} s, CoM "
         f"height {found.com_height:.4g} m"
     )
     for key, value in found.settings.items():
-        click.echo(f"  {key}: {value:g}")
+        say(f"  {key}: {value:g}")
     if found.gain_gap is None:
-        click.echo("poles: none, because this generator has no constant gains")
+        say("poles: none, because this generator has no constant gains")
     else:
-        click.echo(f"gains: relative difference to python-control {found.gain_gap:.1e}")
+        say(f"gains: relative difference to python-control {found.gain_gap:.1e}")
     for pole, time in zip(found.poles, found.time_constants, strict=True):
-        click.echo(
+        say(
             f"pole: {pole.real:.6f} {pole.imag:+.6f}i, magnitude {abs(pole):.6f}, time constant "
             f"{time:.4f} s"
         )
-    click.echo(
+    say(
         f"step response of the ZMP: overshoot {100 * found.overshoot:.2f} %, undershoot "
         f"{100 * found.undershoot:.2f} %, settled within 2 % after {found.settling_time:.2f} s"
     )
     if folder is not None:
-        click.echo(f"figure in {folder / 'design.png'}")
+        say(f"figure in {folder / 'design.png'}")
 
 
 def _print_claims(claims: list[Claim]) -> None:
@@ -150,7 +150,7 @@ def _print_claims(claims: list[Claim]) -> None:
         holds = {True: "holds", False: "FAILS", "not applicable": "n/a  "}[claim.holds]
         source = "ours" if claim.kind == "ours" else claim.source
         head = f"{holds} {claim.id:14s} "
-        click.echo(f"{head}{f'[{source}] ' if source else ''}{claim.claim}: {claim.figure}")
+        say(f"{head}{f'[{source}] ' if source else ''}{claim.claim}: {claim.figure}")
         for line in (claim.robustness, claim.note):
             if line:
-                click.echo(f"      {line}")
+                say(f"      {line}")

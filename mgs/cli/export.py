@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mgs.cli.common import force_option, json_option, motion_argument, print_json
+from mgs.cli.common import force_option, json_option, motion_argument, print_json, say
 
 if TYPE_CHECKING:
     from mgs.motion import Motion
@@ -46,14 +46,13 @@ def export(
       mgs export walk.mcap --format npz -o walk.npz
       mgs export walk.mcap --cycle -o cycle.csv
     """  # noqa: D301
-    from mgs.core.errors import OutputExistsError
+    from mgs.core.atomic_files import refuse_taken
     from mgs.motion.cycle import find_cycle
     from mgs.motion_file import read_motion
     from mgs.motion_file.export import export_motion
 
     path = output or file.with_suffix(f".{fmt}")
-    if path.exists() and not force:
-        raise OutputExistsError(path)
+    refuse_taken(path, force)
     motion = read_motion(file)
     cycle = find_cycle(motion) if as_cycle else None
     export_motion(motion, path, fmt, cycle, force=force)
@@ -70,13 +69,13 @@ def export(
             }
         )
         return
-    click.echo(
+    say(
         f"{click.format_filename(path)}\n"
         f"  {samples} samples of {motion.dt:g} s, {motion.robot.n} joints"
     )
     if cycle is not None:
         x, y, yaw = cycle.displacement
-        click.echo(
+        say(
             f"  cycle of {samples * motion.dt:g} s, taken at {cycle.start * motion.dt:.2f} s; "
             f"displacement {x:+.4f} m forward, {y:+.4f} m to the left, turn {yaw:+.4f} rad\n"
             f"  largest difference to the next cycle {cycle.mismatch:.2g} rad ({cycle.joint}); it "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from mgs.cli.common import json_option, print_json
+from mgs.cli.common import json_option, print_json, say
 
 
 @click.group()
@@ -57,7 +57,7 @@ def list_command(robot: str | None, motion: str | None, as_json: bool) -> None:
         return
     width = max(len(str(row["name"])) for row in found)
     for row in found:
-        click.echo(f"{row['name']:{width}s}  {row['motion']:9s}  {row['about']}")
+        say(f"{row['name']:{width}s}  {row['motion']:9s}  {row['about']}")
 
 
 @gait.command(short_help="Print the file of a gait.")
@@ -69,7 +69,7 @@ def show(name: str) -> None:
     Example:
       mgs gait show melson/walk_practical > my_walk.yaml
     """  # noqa: D301
-    from mgs.core.config import read_text
+    from mgs.core.input_files import read_text
     from mgs.gait import find_gait
 
-    click.echo(read_text(find_gait(name)), nl=False)
+    say(read_text(find_gait(name)), nl=False)

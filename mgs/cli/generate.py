@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mgs.cli.common import force_option, json_option, print_json, with_progress
+from mgs.cli.common import force_option, json_option, print_json, say, with_progress
 from mgs.cli.completion import complete_gait, complete_key, complete_robot, complete_solver
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def generate(
     """  # noqa: D301
     started = time.perf_counter()
     from mgs.cli.verdict_text import line
-    from mgs.core.errors import OutputExistsError
+    from mgs.core.atomic_files import refuse_taken
     from mgs.judge.motion_checks import check_motion
     from mgs.motion_file import write_motion
     from mgs.pipeline.request import request
@@ -81,8 +81,7 @@ def generate(
     wanted = request(robot_name, gait, assignments, **solver)
     folder = Path("outputs") / Path(str(wanted.gait.robot)).name
     path = output or folder / f"{Path(gait).stem}.mcap"
-    if path.exists() and not force:
-        raise OutputExistsError(path)
+    refuse_taken(path, force)
     made = with_progress("inverse kinematics", wanted.generate)
     motion, seconds = made.motion, made.seconds
     begun = time.perf_counter()
@@ -96,7 +95,7 @@ def generate(
     else:
         _print_summary(path, motion, seconds)
         for check in failed:
-            click.echo(f"  {line(check)}")
+            say(f"  {line(check)}")
     ctx.exit(1 if failed and strict else 0)
 
 
@@ -137,7 +136,7 @@ def _print_summary(path: Path, motion: Motion, seconds: dict[str, float]) -> Non
         inside = 1e3 * zmp_margins(motion, motion.zmp).min()
         margin = f"multibody ZMP {inside:.1f} mm inside the support polygon"
     stages = ", ".join(f"{stage} {1e3 * t:.0f}" for stage, t in seconds.items())
-    click.echo(
+    say(
         f"{click.format_filename(str(path))}\n"
         f"  robot     {motion.robot.spec.name}, gait {motion.gait_name}, solver {solver}\n"
         f"  motion    {motion.duration:.2f} s, {motion.n_samples} samples of {motion.dt:g} s\n"

@@ -12,6 +12,7 @@ from mgs.cli.common import (
     json_option,
     motion_argument,
     print_json,
+    say,
     with_progress,
 )
 
@@ -41,11 +42,11 @@ def info(file: Path, as_json: bool) -> None:
         print_json({**content, "engines": engines, "engines_missing": absent})
         return
     for text in info_lines(content):
-        click.echo(click.format_filename(text))
+        say(click.format_filename(text))
     told = ", ".join(f"{name} {version}" for name, version in engines.items())
-    click.echo(f"engines: {told or 'none'}")
+    say(f"engines: {told or 'none'}")
     for engine in missing:
-        click.echo(engine)
+        say(engine)
 
 
 @click.command()
@@ -106,14 +107,15 @@ def _tell(file: Path, paths: list[Path], as_json: bool) -> None:
         print_json({"file": str(file), "plots": [str(path) for path in paths]})
     else:
         for path in paths:
-            click.echo(click.format_filename(path))
+            say(click.format_filename(path))
 
 
 def _single_pictures(
     file: Path, strip: Path | None, animate: Path | None, force: bool
 ) -> list[Path]:
     """Write the pictures that are asked for by name."""
-    from mgs.core.errors import ConfigError, OutputExistsError
+    from mgs.core.atomic_files import refuse_taken
+    from mgs.core.errors import ConfigError
     from mgs.judge.motion_checks import check_motion
     from mgs.motion_file import read_motion
     from mgs.report import write_picture
@@ -124,8 +126,7 @@ def _single_pictures(
     if strip is not None:
         if strip.suffix != ".png":
             raise ConfigError("--strip", f"{strip}: the name should end in .png")
-        if strip.exists() and not force:
-            raise OutputExistsError(strip)
+        refuse_taken(strip, force)
     if animate is not None:
         check_output(animate, force)
     motion, paths = read_motion(file), []

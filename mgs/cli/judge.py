@@ -16,6 +16,7 @@ from mgs.cli.common import (
     motion_argument,
     print_json,
     progress_bars,
+    say,
     with_progress,
 )
 from mgs.cli.servo_options import (
@@ -237,7 +238,7 @@ def replay(
     else:
         told = (verdict_text.sentence(result), *verdict_text.sources([result]), *missing_engines())
         for text in told:
-            click.echo(text)
+            say(text)
     ctx.exit(1 if result.fell else 0)
 
 
@@ -252,14 +253,14 @@ def _sweep_figure_path(path: Path | None, is_swept: bool, force: bool) -> Path |
     """Path of the figure, checked before the work."""
     if path is None:
         return None
-    from mgs.core.errors import ConfigError, OutputExistsError
+    from mgs.core.atomic_files import refuse_taken
+    from mgs.core.errors import ConfigError
 
     if not is_swept:
         raise ConfigError("--sweep-plot", "there is no servo sweep to draw; add --servo-sweep")
     if path.suffix not in (".png", ".svg"):
         raise ConfigError("--sweep-plot", f"{path}: the name should end in .png or .svg")
-    if path.exists() and not force:
-        raise OutputExistsError(path)
+    refuse_taken(path, force)
     return path
 
 
@@ -274,24 +275,24 @@ def _draw_sweep(verdict: Verdict, path: Path) -> None:
 def _print_verdict(verdict: Verdict) -> None:
     for check in verdict.checks:
         text = verdict_text.line(check)
-        click.echo((good if check.ok else bad)(text[:4]) + text[4:])
+        say((good if check.ok else bad)(text[:4]) + text[4:])
     if verdict.energy is not None:
-        click.echo(f"energy: {verdict_text.energy_words(verdict.energy)}")
+        say(f"energy: {verdict_text.energy_words(verdict.energy)}")
     for replay in verdict.replays:
-        click.echo(verdict_text.sentence(replay))
+        say(verdict_text.sentence(replay))
     for text in verdict_text.sources(verdict.replays):
-        click.echo(text)
+        say(text)
     if (agreed := verdict.agreement) is not None:
-        click.echo(verdict_text.agreement(agreed))
+        say(verdict_text.agreement(agreed))
     draws: Any = verdict.monte_carlo or {"engines": ()}
     for figures in draws["engines"]:
-        click.echo(verdict_text.survival(figures))
+        say(verdict_text.survival(figures))
     for sweep in verdict.servo_sweep or ():
         for text in verdict_text.servo_sweep(sweep):
-            click.echo(text)
+            say(text)
     if not verdict.replays:
-        click.echo("no replay in physics: falling was not checked")
+        say("no replay in physics: falling was not checked")
     for missing in verdict.engines_missing:
-        click.echo(missing)
+        say(missing)
     failed = verdict.failed
-    click.echo(bad(f"FAIL: {', '.join(failed)}") if failed else good("PASS"))
+    say(bad(f"FAIL: {', '.join(failed)}") if failed else good("PASS"))

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mgs.cli.common import force_option, json_option, print_json, progress_bars
-from mgs.core.errors import OutputExistsError
+from mgs.cli.common import force_option, json_option, print_json, progress_bars, say
 
 if TYPE_CHECKING:
     from mgs.library.query import Table
@@ -95,7 +94,7 @@ def query(
     if names:
         with reading(folder) as manifest:
             found = list(manifest.columns)
-        print_json(found) if as_json else click.echo("\n".join(found))
+        print_json(found) if as_json else say("\n".join(found))
         return
     asked = _names(columns) if columns else (None if as_json else SHOWN)
     table = look.query(folder, where, asked, order, reverse, limit)
@@ -138,19 +137,18 @@ def export(
       mgs library export outputs/speeds --format csv
       mgs library export outputs/speeds --format parquet -o passed.parquet --where "survived"
     """  # noqa: D301
-    from mgs.core.atomic_files import replace_file
+    from mgs.core.atomic_files import refuse_taken, replace_file
     from mgs.library import query as look
 
     path = output or folder.with_name(f"{folder.resolve().name}.{kind}")
-    if path.is_dir() or (path.exists() and not force):
-        raise OutputExistsError(path)
+    refuse_taken(path, force)
     table = look.query(folder, where, _names(columns) if columns else None)
     content = look.to_csv(table) if kind == "csv" else look.to_parquet(table)
     replace_file(path, content)
     if as_json:
         print_json({"file": str(path), "gaits": len(table.rows), "columns": list(table.columns)})
     else:
-        click.echo(f"{click.format_filename(str(path))}: {len(table.rows)} gaits")
+        say(f"{click.format_filename(str(path))}: {len(table.rows)} gaits")
 
 
 @library.command(short_help="Print a summary of a library, or write its page.")
@@ -203,7 +201,7 @@ def report(
     else:
         _print_report(found)
         if output is not None:
-            click.echo(f"{click.format_filename(str(output))}: open it in a web browser")
+            say(f"{click.format_filename(str(output))}: open it in a web browser")
     ctx.exit(1 if found["damaged_files"] else 0)
 
 
@@ -216,8 +214,8 @@ def _print(table: Table) -> None:
     cells = [list(table.columns), *([_cell(value) for value in row] for row in table.rows)]
     widths = [min(40, max(map(len, column))) for column in zip(*cells, strict=True)]
     for line in cells:
-        click.echo("  ".join(c.ljust(w) for c, w in zip(line, widths, strict=True)).rstrip())
-    click.echo(f"{len(table.rows)} gaits")
+        say("  ".join(c.ljust(w) for c, w in zip(line, widths, strict=True)).rstrip())
+    say(f"{len(table.rows)} gaits")
 
 
 def _cell(value: object) -> str:
@@ -227,28 +225,28 @@ def _cell(value: object) -> str:
 
 
 def _print_report(found: dict[str, Any]) -> None:
-    click.echo(
+    say(
         f"{click.format_filename(found['folder'])}: {found['made']} of {found['gaits']} gaits "
         f"made, physics {found['physics']}, mgs {found['mgs_version']}"
     )
     for verdict, n in found["verdicts"].items():
-        click.echo(f"{n:8d}  {verdict}")
+        say(f"{n:8d}  {verdict}")
     for reason, n in found["reasons"].items():
-        click.echo(f"{n:8d}      {reason}")
-    click.echo("ranges of the gaits that pass:")
+        say(f"{n:8d}      {reason}")
+    say("ranges of the gaits that pass:")
     for name, (low, high) in found["ranges_of_passes"].items():
         if low is not None:
-            click.echo(f"  {name:18s} {low:.4g} to {high:.4g}")
-    click.echo("number of passes by value:")
+            say(f"  {name:18s} {low:.4g} to {high:.4g}")
+    say("number of passes by value:")
     for key, shares in found["passes_by_value"].items():
         if len(shares) <= MOST_VALUES:
             told = ", ".join(f"{_cell(s['value'])}: {s['pass']}/{s['gaits']}" for s in shares)
         else:
             told = f"{len(shares)} values"
-        click.echo(f"  {key:24s} {told}")
+        say(f"  {key:24s} {told}")
     damaged = found["damaged_files"]
     if damaged:
-        click.echo(f"{len(damaged)} files are damaged or missing, e.g. {damaged[0]}; make them "
+        say(f"{len(damaged)} files are damaged or missing, e.g. {damaged[0]}; make them "
                    "again with mgs batch run --resume")  # fmt: skip
     else:
-        click.echo("all files are intact")
+        say("all files are intact")

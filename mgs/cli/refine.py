@@ -14,6 +14,7 @@ from mgs.cli.common import (
     json_option,
     motion_argument,
     print_json,
+    say,
     with_progress,
 )
 from mgs.cli.judge import engines_of
@@ -76,7 +77,7 @@ def refine(
       mgs refine walk.mcap
       mgs refine walk.mcap -o better.mcap --no-feed-forward --attempts 10
     """  # noqa: D301
-    from mgs.core.errors import OutputExistsError
+    from mgs.core.atomic_files import refuse_taken
     from mgs.motion_file import read_motion, write_motion
     from mgs.search.refine import refine as run
 
@@ -86,8 +87,7 @@ def refine(
         raise ConfigError("--physics", "none is not possible, because the corrections need "
                           "replays; name pybullet or mujoco")  # fmt: skip
     path = output or file.with_name(f"{file.stem}_refined.mcap")
-    if path.exists() and not force:
-        raise OutputExistsError(path)
+    refuse_taken(path, force)
     motion = read_motion(file)
 
     def work(bar: ProgressBar) -> Refinement:
@@ -115,18 +115,18 @@ def refine(
 
 
 def _print(found: Refinement, path: Path) -> None:
-    click.echo("as planned")
+    say("as planned")
     for trial in found.before:
-        click.echo(f"  {_figures(trial)}")
+        say(f"  {_figures(trial)}")
     for number, attempt in enumerate(found.attempts, start=1):
         fate = "kept" if attempt.kept else f"rejected: {attempt.reason}"
-        click.echo(f"correction {number}, {attempt.part:g} of the deviation: {fate}")
+        say(f"correction {number}, {attempt.part:g} of the deviation: {fate}")
         for trial in attempt.trials:
-            click.echo(f"  {_figures(trial)}")
+            say(f"  {_figures(trial)}")
     if found.improved:
-        click.echo(f"improved motion: {click.format_filename(str(path))}")
+        say(f"improved motion: {click.format_filename(str(path))}")
     else:
-        click.echo("no correction is an improvement; no file was written")
+        say("no correction is an improvement; no file was written")
 
 
 def _figures(trial: Trial) -> str:

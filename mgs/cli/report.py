@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from mgs.cli.colour import bad, good
-from mgs.cli.common import force_option, json_option, print_json, progress_bars
+from mgs.cli.common import force_option, json_option, print_json, progress_bars, say
 from mgs.cli.servo_options import servo_option
 
 if TYPE_CHECKING:
@@ -93,8 +93,8 @@ def report(
         return
     for verdict in verdicts:
         failed = ", ".join(verdict.failed)
-        click.echo(f"{verdict.file}: {bad(f'FAIL: {failed}') if failed else good('PASS')}")
-    click.echo(f"{click.format_filename(str(path))}: open it in a web browser")
+        say(f"{verdict.file}: {bad(f'FAIL: {failed}') if failed else good('PASS')}")
+    say(f"{click.format_filename(str(path))}: open it in a web browser")
 
 
 def _write_recording(
@@ -109,4 +109,4 @@ def _write_recording(
     if as_json:
         print_json({"recording": str(path), "bytes": path.stat().st_size})
     else:
-        click.echo(f"{click.format_filename(str(path))}: open it with rerun {path.name}")
+        say(f"{click.format_filename(str(path))}: open it with rerun {path.name}")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from mgs.cli.common import force_option, json_option, print_json
+from mgs.cli.common import force_option, json_option, print_json, say
 
 
 @click.group()
@@ -39,7 +39,7 @@ def list_command(as_json: bool) -> None:
         print_json({"robots": list_robots()})
     else:
         for name in list_robots():
-            click.echo(name)
+            say(name)
 
 
 @robot.command(short_help="Show mass, soles, joints, limits and servos of a robot.")
@@ -74,15 +74,15 @@ def show(name: str, as_json: bool) -> None:
     if as_json:
         print_json({"robot": model.spec.name, "mass": model.mass, "soles": soles, "joints": joints})
         return
-    click.echo(f"{model.spec.name}: {model.n} joints, {model.mass:.3f} kg, soles {soles} m")
-    click.echo(
+    say(f"{model.spec.name}: {model.n} joints, {model.mass:.3f} kg, soles {soles} m")
+    say(
         f"{'joint':24s} {'servo':8s} {'range [deg]':>16s} {'posture':>8s} {'rad/s':>6s} {'N m':>5s}"
     )
     for row, joint in zip(joints, model.joint_names, strict=True):
         degrees = [
             57.29577951308232 * float(str(row[key])) for key in ("lower", "upper", "posture")
         ]
-        click.echo(
+        say(
             f"{joint:24s} {row['servo']!s:8s} {degrees[0]:7.1f} ..{degrees[1]:6.1f} "
             f"{degrees[2]:8.1f} {row['speed_limit']:6.2f} {row['stall_torque']:5.2f}"
         )
@@ -113,9 +113,9 @@ def check(ctx: click.Context, name: str, as_json: bool) -> None:
         print_json({"robot": name, "findings": [asdict(finding) for finding in findings]})
     else:
         for finding in findings:
-            click.echo(f"{'ok  ' if finding.ok else 'FAIL'} {finding.name:12s} {finding.figure}")
+            say(f"{'ok  ' if finding.ok else 'FAIL'} {finding.name:12s} {finding.figure}")
             if not finding.ok:
-                click.echo(f"     remedy: {finding.remedy}")
+                say(f"     remedy: {finding.remedy}")
     ctx.exit(0 if all(finding.ok for finding in findings) else 1)
 
 
@@ -180,18 +180,18 @@ def init(
             }
         )
         return
-    click.echo(
+    say(
         f"{click.format_filename(folder)}\n"
         f"  robot   {found.spec.name}, {found.n} joints, {found.mass:.2f} kg\n"
         f"  soles   {1e3 * soles['left'][0]:.0f} x {1e3 * soles['left'][1]:.0f} mm"
     )
     for group, joints in found.spec.groups.items():
-        click.echo(f"  {group:9s} {', '.join(joints)}")
+        say(f"  {group:9s} {', '.join(joints)}")
     if found.spec.locked:
-        click.echo(f"  locked    {', '.join(sorted(found.spec.locked))}")
+        say(f"  locked    {', '.join(sorted(found.spec.locked))}")
     for note in draft.notes:
-        click.echo(f"  note      {note}")
+        say(f"  note      {note}")
     for finding in findings:
         if not finding.ok:
-            click.echo(f"  FAIL      {finding.name}: {finding.figure}")
-            click.echo(f"            {finding.remedy}")
+            say(f"  FAIL      {finding.name}: {finding.figure}")
+            say(f"            {finding.remedy}")

@@ -14,6 +14,7 @@ from mgs.cli.common import (
     force_option,
     json_option,
     print_json,
+    say,
     with_progress,
 )
 from mgs.cli.judge import engines_of
@@ -243,11 +244,11 @@ def _finish(
     if as_json:
         print_json(_summary(found, path, before, after))
     else:
-        click.echo(f"{click.format_filename(str(path))}: walk {best.number} of "
+        say(f"{click.format_filename(str(path))}: walk {best.number} of "
                    f"{len(found.trials)}")  # fmt: skip
         for words, old, new in comparison(found, before, after):
-            click.echo(f"  {words:50s} {old:>24s} -> {new}")
-        click.echo(f"page: {click.format_filename(str(path.with_suffix('.md')))}")
+            say(f"  {words:50s} {old:>24s} -> {new}")
+        say(f"page: {click.format_filename(str(path.with_suffix('.md')))}")
     ctx.exit(0 if after.passed else 1)
 
 
@@ -274,6 +275,6 @@ def _print_failure(found: Search, as_json: bool) -> None:
     if as_json:
         print_json({"file": None, "trials": len(found.trials), "failed": stages})
         return
-    click.echo(f"none of {len(found.trials)} walks passes; no gait file was written")
+    say(f"none of {len(found.trials)} walks passes; no gait file was written")
     for stage, (n, reason) in stages.items():
-        click.echo(f"  {n} failed at {stage}, most of them: {reason}")
+        say(f"  {n} failed at {stage}, most of them: {reason}")

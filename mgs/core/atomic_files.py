@@ -1,14 +1,34 @@
-"""Files that are either complete or not there."""
+"""Files that are either complete or not there, in place of regular files only."""
 
 from __future__ import annotations
 
 import contextlib
 import secrets
-from collections.abc import Iterator
+import stat
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import BinaryIO
 
-from mgs.core.errors import MgsError
+from mgs.core.errors import MgsError, OutputExistsError
+
+
+def refuse_taken(path: Path, force: bool) -> None:
+    """Refuse to write where something is that must not be replaced.
+
+    Raises:
+        OutputExistsError: something is there and `force` is not set, or a folder is there.
+        MgsError: `force` is set, and what is there is no regular file: a device, a pipe or a link,
+            whose target may be anywhere.
+    """
+    try:
+        mode = path.lstat().st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        return
+    if not force or stat.S_ISDIR(mode):
+        raise OutputExistsError(path)
+    if not stat.S_ISREG(mode):
+        kind = "a link" if stat.S_ISLNK(mode) else "a device or a pipe"
+        raise MgsError(f"{path}: {kind}, which is never replaced; use -o to write elsewhere")
 
 
 def part_of(path: Path) -> Path:
@@ -18,20 +38,20 @@ def part_of(path: Path) -> Path:
 
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[BinaryIO]:
-    """Stream into a file beside `path` that takes its place when all went well, else vanishes."""
-    new_folders = [folder for folder in path.parents if not folder.exists()]  # innermost first
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = part_of(path)
-    try:
-        with part.open("x+b") as stream:
-            yield stream
-        part.replace(path)
-    except BaseException:  # KeyboardInterrupt too
-        part.unlink(missing_ok=True)
-        with contextlib.suppress(OSError):  # someone else has put something there
-            for folder in new_folders:
-                folder.rmdir()
-        raise
+    """Stream into a file beside `path` that takes its place when all went well, else vanishes.
+
+    Raises:
+        MgsError: something other than a regular file is in its place.
+    """
+    refuse_taken(path, force=True)
+    with _new_folders(path.parent):
+        part = part_of(path)
+        try:
+            with part.open("x+b") as stream:
+                yield stream
+            part.replace(path)
+        finally:  # after KeyboardInterrupt too
+            part.unlink(missing_ok=True)
 
 
 def replace_file(path: Path, content: bytes) -> None:
@@ -40,14 +60,47 @@ def replace_file(path: Path, content: bytes) -> None:
     Raises:
         MgsError: it cannot be written; what was there before still is.
     """
-    part = part_of(path)
+    replace_files(path.parent, {path.name: content})
+
+
+def replace_files(folder: Path, contents: Mapping[str, bytes]) -> None:
+    """Write several files of a folder, all of them or none, in place of what is there.
+
+    Args:
+        folder: made if missing.
+        contents: content of each file by its name.
+
+    Raises:
+        MgsError: they cannot be written; what was there before still is.
+    """
+    for name in contents:
+        refuse_taken(folder / name, force=True)
+    parts = {name: part_of(folder / name) for name in contents}
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            part.write_bytes(content)
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
+        with _new_folders(folder):
+            try:
+                for name, content in contents.items():
+                    parts[name].write_bytes(content)
+                for name, part in parts.items():
+                    part.replace(folder / name)
+            finally:
+                for part in parts.values():
+                    part.unlink(missing_ok=True)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
+        path = folder if len(contents) > 1 else folder / next(iter(contents))
         raise MgsError(f"{path}: cannot be written: {reason}") from error
+
+
+@contextlib.contextmanager
+def _new_folders(folder: Path) -> Iterator[None]:
+    """Make a folder and those above it; those that are new vanish again after an exception."""
+    new = [path for path in (folder, *folder.parents) if not path.exists()]  # innermost first
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        yield
+    except BaseException:
+        with contextlib.suppress(OSError):  # someone else has put something there
+            for path in new:
+                path.rmdir()
+        raise

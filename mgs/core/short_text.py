@@ -12,6 +12,13 @@ def shown(value: object, limit: int = 60) -> str:
     return clipped(text, limit)
 
 
+def printable(text: str) -> str:
+    """Text whose control characters, but for line ends and tabs, are written as in Python."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c in "\n\t" else ascii(c)[1:-1] for c in text)
+
+
 def clipped(text: str, limit: int) -> str:
     """Text on one line of at most `limit` characters, without control characters."""
     text = " ".join(text.split())[: limit + 1]

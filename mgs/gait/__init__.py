@@ -14,15 +14,14 @@ from mgs.gait.balance import (
 )
 from mgs.gait.com import ComParameters
 from mgs.gait.find import find_gait, list_gaits
+from mgs.gait.gait_file import GaitFile
 from mgs.gait.ik import FarajiParameters, IkParameters, PrioritizedParameters, WholeBodyIkParameters
 from mgs.gait.keyframes import Keyframe, KeyframesParameters
 from mgs.gait.kick import BallParameters, KickParameters
 from mgs.gait.kinds import (
     GAITS,
-    MAX_SAMPLES,
     BalanceGait,
     Gait,
-    GaitFile,
     KeyframesGait,
     KickGait,
     PickUpGait,
@@ -46,7 +45,6 @@ from mgs.gait.walk import (
 __all__ = [
     "COM_TOLERANCE",
     "GAITS",
-    "MAX_SAMPLES",
     "AnyChannel",
     "BalanceGait",
     "BalanceParameters",

@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from mgs.core.config import Model
+from mgs.core.config import Model, Whole
 from mgs.core.plugins import COM_GENERATORS
 from mgs.gait.names import GeneratorName, own_parameters
 
@@ -55,7 +55,7 @@ class ComParameters(Model):
         description="Smallest distance of the zero-moment point (ZMP) from the edge of the "
         "support polygon [m]; for the generator qp only.",
     )
-    passes: int = Field(
+    passes: Whole = Field(
         3,
         ge=0,
         le=50,

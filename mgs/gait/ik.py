@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 
-from mgs.core.config import Model
+from mgs.core.config import Model, Whole
 from mgs.core.plugins import IK_SOLVERS
 from mgs.gait.names import SolverName, own_parameters
 
@@ -221,7 +221,7 @@ class TrajectoryParameters(Model):
         le=1e3,
         description="Weight of the barrier function that keeps joints inside their limits.",
     )
-    iterations: int = Field(20, ge=0, le=1000, description="Largest number of iterations.")
+    iterations: Whole = Field(20, ge=0, le=1000, description="Largest number of iterations.")
     tolerance: float = Field(
         1e-3,
         ge=1e-12,
@@ -274,7 +274,7 @@ class IkParameters(Model):
         "reference of the zero-moment point (ZMP) gives; optimal: distribution of least joint "
         "torques with contact forces inside friction cones and soles.",
     )
-    iterations: int | None = Field(
+    iterations: Whole | None = Field(
         None,
         ge=0,
         le=50,

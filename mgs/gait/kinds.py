@@ -2,83 +2,23 @@
 
 from __future__ import annotations
 
-import html
-import math
 from typing import Annotated, Any, Literal
 
 import numpy as np
-import yaml
 from pydantic import ConfigDict, Field, TypeAdapter, model_validator
 
 from mgs.core.arrays import Array
-from mgs.core.config import FormatVersion, Model
-from mgs.core.constants import COM_TOLERANCE
+from mgs.core.config import Model, Whole
 from mgs.core.geometry import quintic
-from mgs.core.short_text import clipped
+from mgs.core.limits import MAX_PARTS
 from mgs.gait.balance import BalanceParameters
 from mgs.gait.com import ComParameters
+from mgs.gait.gait_file import GaitFile
 from mgs.gait.ik import IkParameters, WholeBodyIkParameters
 from mgs.gait.keyframes import KeyframesParameters
 from mgs.gait.kick import KickParameters
 from mgs.gait.pick_up import PickUpParameters
 from mgs.gait.walk import WalkParameters
-
-MAX_SAMPLES = 2_000_000  # of one motion; their arrays take about 5 GB
-MAX_PARTS = 1000  # of a sequence
-
-
-class GaitFile(Model):
-    """Keys that every gait file has."""
-
-    mgs: FormatVersion = Field(description="Version of the file format.")
-    robot: str | None = Field(
-        None,
-        min_length=1,
-        max_length=4096,
-        description="Name of a shipped robot, or path of a robot folder; null: given by the "
-        "option --robot of mgs generate, or by the sequence that contains the gait.",
-    )
-    motion: str
-    dt: float = Field(
-        0.01, ge=1e-4, le=0.1, description="Sampling period of the joint trajectory [s]."
-    )
-
-    @property
-    def com_tolerance(self) -> float:
-        """Largest allowed distance of the CoM from its reference [m]."""
-        return COM_TOLERANCE
-
-    @property
-    def is_balanced(self) -> bool:
-        """Whether the robot stands on its soles, as planned, at every sample."""
-        return True
-
-    def payload(self, times: Array) -> Array | None:
-        """Masses (N, 2) in left and right hand [kg] at times (N,) [s]; None: no payload."""
-        return None
-
-    def to_yaml(self) -> str:
-        """The gait as the text of a gait file that includes all defaults."""
-        return yaml.safe_dump(self.model_dump(), sort_keys=False, default_flow_style=None)
-
-    def __repr__(self) -> str:
-        changed = self.model_dump(exclude_defaults=True, exclude={"mgs", "robot", "motion"})
-        told = yaml.safe_dump(changed, sort_keys=False, default_flow_style=True, width=math.inf)
-        robot = self.robot or "any robot"
-        return f"<{type(self).__name__} for {robot}: {clipped(told.strip()[1:-1], 160)}>"
-
-    __str__ = __repr__
-
-    def _repr_html_(self) -> str:
-        """The text of the gait file, all defaults included, for a notebook."""
-        return f"<pre>{html.escape(self.to_yaml())}</pre>"
-
-    def _refuse_too_long(self, duration: float, remedy: str) -> None:
-        if duration / self.dt > MAX_SAMPLES:
-            raise ValueError(
-                f"{duration:.0f} s at dt = {self.dt:g} s are {duration / self.dt:.2g} samples; at "
-                f"most {MAX_SAMPLES:g} allowed; use {remedy} or a larger dt"
-            )
 
 
 class WalkGait(GaitFile):
@@ -101,6 +41,13 @@ class WalkGait(GaitFile):
         """Largest allowed distance of the CoM from its reference [m]."""
         return self.walk.com_tolerance
 
+    @property
+    def planned_duration(self) -> float:
+        """Duration of rests and steps [s]; of a walk to a goal the rests alone."""
+        walk = self.walk
+        rests = walk.lead_in + walk.lead_out + walk.double_support
+        return rests + walk.most_steps * (walk.double_support + walk.single_support)
+
     @model_validator(mode="after")
     def _rests_as_long_as_it_previews(self) -> WalkGait:
         _require_rests(self.motion, self.walk, self.com)
@@ -108,10 +55,7 @@ class WalkGait(GaitFile):
 
     @model_validator(mode="after")
     def _fits_into_memory(self) -> WalkGait:
-        walk = self.walk
-        rests = walk.lead_in + walk.lead_out + walk.double_support
-        steps = walk.most_steps * (walk.double_support + walk.single_support)
-        self._refuse_too_long(rests + steps, "fewer walk.n_steps")
+        self._refuse_too_long("fewer walk.n_steps")
         return self
 
 
@@ -129,6 +73,18 @@ class KickGait(GaitFile):
     ik: IkParameters = Field(
         default_factory=IkParameters, description="Inverse kinematics solver and its parameters."
     )
+
+    @property
+    def planned_duration(self) -> float:
+        """Duration without the strike [s], whose speed may depend on the robot."""
+        kick = self.kick
+        moves = 2.0 * (kick.shift + kick.lift) + kick.draw + kick.recover
+        return kick.lead_in + moves + kick.lead_out
+
+    @model_validator(mode="after")
+    def _fits_into_memory(self) -> KickGait:
+        self._refuse_too_long("shorter durations in kick")
+        return self
 
     @model_validator(mode="after")
     def _rests_as_long_as_it_previews(self) -> KickGait:
@@ -166,9 +122,14 @@ class BalanceGait(GaitFile):
         """Largest allowed distance of the CoM from its reference [m]."""
         return self.balance.com_tolerance
 
+    @property
+    def planned_duration(self) -> float:
+        """Duration of the motion [s]."""
+        return self.balance.duration
+
     @model_validator(mode="after")
     def _fits_into_memory(self) -> BalanceGait:
-        self._refuse_too_long(self.balance.duration, "a shorter balance.duration")
+        self._refuse_too_long("a shorter balance.duration")
         return self
 
 
@@ -192,9 +153,14 @@ class KeyframesGait(GaitFile):
         """Whether the robot stands on its soles, as planned, at every sample."""
         return self.keyframes.balance == "on"
 
+    @property
+    def planned_duration(self) -> float:
+        """Duration of the motion [s]."""
+        return self.keyframes.duration
+
     @model_validator(mode="after")
     def _fits_into_memory(self) -> KeyframesGait:
-        self._refuse_too_long(self.keyframes.duration, "earlier keyframes.keys")
+        self._refuse_too_long("earlier keyframes.keys")
         return self
 
 
@@ -207,6 +173,16 @@ class PickUpGait(GaitFile):
         default_factory=WholeBodyIkParameters,
         description="Inverse kinematics solver and its parameters.",
     )
+
+    @property
+    def planned_duration(self) -> float:
+        """Duration of the motion [s]."""
+        return self.pick_up.duration
+
+    @model_validator(mode="after")
+    def _fits_into_memory(self) -> PickUpGait:
+        self._refuse_too_long("shorter durations in pick_up")
+        return self
 
     def payload(self, times: Array) -> Array | None:
         """Masses (N, 2) in left and right hand [kg]; they increase during the pause."""
@@ -251,7 +227,7 @@ class SequencePart(Model):
         description="Gait of the part: name of a shipped gait; or path of a gait file, relative "
         "to the folder of the sequence file; or the keys of a gait file.",
     )
-    repeat: int = Field(1, ge=1, le=MAX_PARTS, description="Number of repetitions.")
+    repeat: Whole = Field(1, ge=1, le=MAX_PARTS, description="Number of repetitions.")
 
     @property
     def label(self) -> str:
@@ -292,6 +268,16 @@ class SequenceGait(GaitFile):
     def com_tolerance(self) -> float:
         """Largest allowed distance of the CoM from its reference [m]: the maximum of all parts."""
         return max(part.gait.com_tolerance for part in self.sequence.parts)
+
+    @property
+    def planned_duration(self) -> float:
+        """Duration of all parts [s], without transitions and what depends on the robot."""
+        return sum(part.repeat * part.gait.planned_duration for part in self.sequence.parts)
+
+    @model_validator(mode="after")
+    def _fits_into_memory(self) -> SequenceGait:
+        self._refuse_too_long("fewer or shorter sequence.parts")
+        return self
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> SequenceGait:

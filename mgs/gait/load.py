@@ -8,11 +8,16 @@ from typing import Any, Literal
 
 from pydantic import create_model
 
-from mgs.core.config import build, parse_yaml, read_text
+from mgs.core.config import build
+from mgs.core.errors import ConfigError
+from mgs.core.foreign import told_as
+from mgs.core.input_files import read_text
 from mgs.core.wrong_type import wrong_type
+from mgs.core.yaml_text import parse_yaml
 from mgs.gait.changes import apply, changes_of
 from mgs.gait.find import find_gait
-from mgs.gait.kinds import GAITS, Gait, GaitFile
+from mgs.gait.gait_file import GaitFile
+from mgs.gait.kinds import GAITS, Gait
 from mgs.gait.names import ANY_NAME
 from mgs.gait.sequence import resolve_parts, split_changes
 
@@ -40,7 +45,8 @@ def load_gait(
     if not isinstance(gait, str | Path):
         raise wrong_type("the gait", "a Gait, the name of a shipped gait or a file", gait)
     path = find_gait(gait)
-    return parse_gait(read_text(path), path, assignments, path.parent, settings=settings)
+    with told_as(lambda what: ConfigError(path, f"no gait can be made of this file: {what}")):
+        return parse_gait(read_text(path), path, assignments, path.parent, settings=settings)
 
 
 def parse_gait(

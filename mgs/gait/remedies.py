@@ -22,9 +22,9 @@ from mgs.core.errors import (
     MgsError,
     ZmpMarginError,
 )
+from mgs.gait.gait_file import GaitFile
 from mgs.gait.kinds import (
     BalanceGait,
-    GaitFile,
     KeyframesGait,
     KickGait,
     PickUpGait,

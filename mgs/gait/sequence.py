@@ -6,8 +6,10 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from mgs.core.config import parse_yaml, read_text
 from mgs.core.errors import ConfigError
+from mgs.core.input_files import read_text
+from mgs.core.short_text import shown
+from mgs.core.yaml_text import parse_yaml
 from mgs.gait.changes import Change, apply
 from mgs.gait.find import find_gait
 from mgs.gait.kinds import SequenceGait
@@ -63,6 +65,8 @@ def _resolve(
         path = find_gait(gait, folder)
         part.setdefault("name", gait)
         gait = part["gait"] = parse_yaml(read_text(path), path)
+        if not isinstance(gait, dict) or "motion" not in gait:  # its content is not shown
+            raise ConfigError("gait", f"{shown(str(path))} is no gait file: it has no key motion")
     elif isinstance(gait, dict):
         for key in SHARED:
             if tree.get(key) is not None:

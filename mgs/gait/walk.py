@@ -6,10 +6,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from mgs.core.config import Model
+from mgs.core.config import Model, Whole
 from mgs.core.constants import COM_TOLERANCE
+from mgs.core.limits import MAX_BOXES, MAX_STEPS
 
-MAX_STEPS = 20_000
 Duration = Annotated[float, Field(gt=0.0, le=60.0)]
 Length = Annotated[float, Field(ge=-1.0, le=1.0)]
 SwingProfile = Literal["minimum_jerk", "cruise"]
@@ -98,7 +98,7 @@ class WalkParameters(Model):
     y to the left, z up.
     """
 
-    n_steps: int | None = Field(
+    n_steps: Whole | None = Field(
         None,
         ge=1,
         le=MAX_STEPS,
@@ -237,7 +237,7 @@ class WalkParameters(Model):
         description="Forward motion of each hand as a fraction of the motion of the opposite "
         "foot, both relative to the midpoint between the soles; 0: no arm swing.",
     )
-    boxes: Annotated[list[BoxParameters], Field(max_length=1000)] = Field(
+    boxes: Annotated[list[BoxParameters], Field(max_length=MAX_BOXES)] = Field(
         [],
         description="List of boxes, which are stairs and obstacles: a footstep above a box stands "
         "on top of the box, and the swing sole passes over boxes in its way.",

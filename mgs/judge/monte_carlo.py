@@ -8,6 +8,7 @@ matters is told by the probability that a fallen draw had a larger deviation tha
 
 from __future__ import annotations
 
+from contextlib import closing
 from dataclasses import dataclass
 
 import numpy as np
@@ -130,10 +131,11 @@ def monte_carlo(
     settings = settings_of_draws(engine, servo, settings or DEFAULTS[engine])
     task = Task(prepare(motion, engine, settings, servo, feed_forward), RANGES[ranges], seed)
     done: list[Draw] = []
-    for found in in_order(replay_draw, task, n, workers):
-        done.append(found)
-        if progress is not None:
-            progress(len(done), n)
+    with closing(in_order(replay_draw, task, n, workers)) as draws:
+        for found in draws:
+            done.append(found)
+            if progress is not None:
+                progress(len(done), n)
     return Robustness(engine, servo, ranges, seed, tuple(done))
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from contextlib import closing
 from dataclasses import dataclass
 
 from mgs.core.errors import DivergenceError
@@ -51,10 +52,11 @@ def sweep_servos(
         SimulationError: the engine is missing. A replay that diverges has failed.
     """
     task, done = _Task(motion, engine, settings or DEFAULTS[engine], cases), []
-    for outcome in in_order(_replay, task, len(cases), workers):
-        done.append(outcome)
-        if progress is not None:
-            progress(len(done), len(cases))
+    with closing(in_order(_replay, task, len(cases), workers)) as outcomes:
+        for outcome in outcomes:
+            done.append(outcome)
+            if progress is not None:
+                progress(len(done), len(cases))
     return ServoSweep(engine, tuple(done))
 
 

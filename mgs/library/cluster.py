@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import importlib.util
 import os
@@ -10,9 +11,11 @@ from collections.abc import Iterator
 
 import dask
 from dask.system import CPU_COUNT
-from distributed import Client, LocalCluster
+from distributed import Client, LocalCluster, rpc
+from distributed.security import Security
 
 from mgs.core.errors import MgsError
+from mgs.core.foreign import described
 
 CONNECT_TIMEOUT = 10.0  # [s]
 OWN_CLUSTER = {
@@ -77,15 +80,27 @@ def _kill(own: LocalCluster) -> None:
 @contextlib.contextmanager
 def _client(address: str) -> Iterator[Client]:
     try:
+        # a Client waits for ever where a port accepts and nothing answers
+        asyncio.run(asyncio.wait_for(_identity(address), CONNECT_TIMEOUT))
         client = Client(address, timeout=CONNECT_TIMEOUT)
     except Exception as error:  # each kind of address fails in its own way
-        raise MgsError(f"no Dask scheduler answers at {address}: {error}") from error
+        raise MgsError(
+            f"no Dask scheduler answers at {address} within {CONNECT_TIMEOUT:g} s: "
+            f"{described(error)}"
+        ) from error
     with client:
         try:
             client.wait_for_workers(1, timeout=CONNECT_TIMEOUT)
         except TimeoutError as error:
             raise MgsError(f"{address}: the cluster has no workers") from error
         yield client
+
+
+async def _identity(address: str) -> object:
+    """What the scheduler at an address says of itself."""
+    security = Security().get_connection_args("client")
+    async with rpc(address, connection_args=security) as scheduler:
+        return await scheduler.identity()
 
 
 def dashboard_of(client: Client) -> str | None:

@@ -14,9 +14,8 @@ import difflib
 from collections.abc import Collection
 
 from mgs.core.errors import ConfigError
+from mgs.core.limits import MAX_CONDITION, MAX_CONDITION_NESTING
 
-MAX_LENGTH = 2000
-MAX_DEPTH = 25  # nesting of the parts; the parser of SQLite accepts about 100 brackets
 COMPARISONS: dict[type[ast.cmpop], str] = {
     ast.Eq: "=",
     ast.NotEq: "<>",
@@ -46,8 +45,8 @@ def compile_condition(
     Raises:
         ConfigError: the text is not a condition, or uses a name that is not in `columns`.
     """
-    if len(text) > MAX_LENGTH:
-        raise ConfigError(source, f"longer than {MAX_LENGTH} characters")
+    if len(text) > MAX_CONDITION:
+        raise ConfigError(source, f"longer than {MAX_CONDITION} characters")
     try:
         tree = ast.parse(text.strip(), mode="eval")
         compiler = _Compiler(text, columns, source)
@@ -75,7 +74,7 @@ class _Compiler:
     def sql(self, node: ast.expr) -> str:
         """Translate a part of the expression to SQL."""
         self.depth += 1
-        if self.depth > MAX_DEPTH:
+        if self.depth > MAX_CONDITION_NESTING:
             raise RecursionError
         text = self._part(node)
         self.depth -= 1

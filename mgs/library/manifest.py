@@ -8,16 +8,23 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import itertools
 import sqlite3
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from mgs.core.errors import InputError, MgsError
+from mgs.core.foreign import told_as
+from mgs.core.input_files import is_inside
+from mgs.core.limits import MAX_QUERY_STEPS
+from mgs.core.short_text import shown
 from mgs.library.condition import quoted
 
 MANIFEST = "manifest.sqlite"
 GAITS_FOLDER = "gaits"
 LOST = "lost"  # verdict on a gait whose computation broke down; not a property of the gait
+
+STEPS_PER_CALL = 1_000_000  # instructions of SQLite between two looks at their number
 
 Value = int | float | str | None
 Row = Mapping[str, Value]
@@ -60,6 +67,7 @@ COLUMNS = {
     "sole_slip_max": "REAL",
     "checks": "TEXT",
     "seconds": "REAL",
+    "kernel": "TEXT",
 }
 
 
@@ -153,7 +161,11 @@ def reading(folder: Path) -> Iterator[Manifest]:
     Raises:
         InputError: the manifest is missing or damaged.
     """
-    with _told(folder / MANIFEST), contextlib.closing(connect(folder)) as connection:
+    path = folder / MANIFEST
+    with (
+        told_as(lambda what: InputError(f"{path}: no sound manifest of a gait library: {what}")),
+        contextlib.closing(connect(folder)) as connection,
+    ):
         yield Manifest(connection)
 
 
@@ -167,11 +179,32 @@ def connect(folder: Path) -> sqlite3.Connection:
     address = f"{path.resolve().as_uri()}?mode=ro"
     connection = sqlite3.connect(address, uri=True, isolation_level=None, check_same_thread=False)
     try:
+        _bound(connection)
         connection.execute("SELECT number, sha256 FROM gaits LIMIT 1")
     except sqlite3.Error as error:
         connection.close()
         raise InputError(f"{path}: no manifest of a gait library: {error}") from error
     return connection
+
+
+def _bound(connection: sqlite3.Connection) -> None:
+    """Let a connection read tables only, for a limited time.
+
+    Raises:
+        sqlite3.DatabaseError: the manifest has something other than tables, such as a view, which
+            is a program that may never end.
+    """
+    calls = itertools.count(1)
+    connection.set_progress_handler(
+        lambda: next(calls) * STEPS_PER_CALL > MAX_QUERY_STEPS, STEPS_PER_CALL
+    )
+    connection.execute("PRAGMA trusted_schema = OFF")
+    odd = connection.execute(
+        "SELECT name FROM sqlite_master WHERE type NOT IN ('table', 'index') "
+        "OR sql LIKE 'CREATE VIRTUAL%' LIMIT 1"
+    ).fetchone()
+    if odd is not None:
+        raise sqlite3.DatabaseError(f"{shown(odd[0])} is no table")
 
 
 @contextlib.contextmanager
@@ -193,8 +226,13 @@ def holds_gaits(folder: Path) -> bool:
 
 
 def is_whole(folder: Path, file: str | None, sha256: str | None) -> bool:
-    """Whether the motion file of a row is unchanged; true for a row without a motion file."""
-    return file is None or (sha256 is not None and _sha256(folder / file) == sha256)
+    """Whether the motion file of a row is unchanged; true for a row without a motion file.
+
+    False for a file outside the folder, which a manifest from somebody else may name.
+    """
+    if file is None or sha256 is None:
+        return file is None
+    return is_inside(folder / file, [folder]) and _sha256(folder / file) == sha256
 
 
 def _sha256(path: Path) -> str | None:

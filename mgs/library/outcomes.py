@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from distributed import Client, Future, KilledWorker, wait
 
 from mgs.core.errors import MgsError
+from mgs.core.foreign import told_as
 from mgs.library.manifest import LOST
 from mgs.library.points import Plan
 from mgs.library.summary import Summary
@@ -26,11 +27,7 @@ RESULT_TIMEOUT = 60.0  # [s] for the bytes of one gait
 PULSE = 0.3  # [s] of waiting after which Ctrl-C is noticed
 LOOK = 2.0  # [s] between counts of the workers
 WORKERLESS = 60.0  # [s] without any worker after which the run ends
-KILLED = {
-    "verdict": LOST,
-    "reason": "KilledWorker",
-    "message": "its worker died twice, the second time with nothing else to do",
-}
+KILLED = "its worker died twice, the second time with nothing else to do"
 
 
 @dataclass(frozen=True)
@@ -42,6 +39,7 @@ class Work:
     plan: Plan
     summary: Summary  # its number of workers is kept up to date
     interrupt: Callable[[], None]  # raises KeyboardInterrupt after Ctrl-C
+    timeout: float  # [s] after which a worker gives up a gait
 
 
 def outcomes(task: Work, todo: list[int]) -> Iterator[tuple[int, Outcome]]:
@@ -54,15 +52,25 @@ def outcomes(task: Work, todo: list[int]) -> Iterator[tuple[int, Outcome]]:
         MgsError: the cluster is lost or has had no workers for some time.
         KeyboardInterrupt: Ctrl-C was pressed.
     """
-    suspects = []
-    for number, future in _completed(task, todo):
-        if (outcome := _outcome(future)) is None:
-            suspects.append(number)
-        else:
-            yield number, outcome
-    for number in suspects:
-        for _, future in _completed(task, [number], "again"):
-            yield number, _outcome(future) or Outcome(dict(KILLED))
+    with told_as(lambda what: MgsError(f"the cluster is lost: {what}; continue with --resume")):
+        suspects = []
+        for number, future in _completed(task, todo):
+            if (outcome := _outcome(future)) is None:
+                suspects.append(number)
+            else:
+                yield number, outcome
+        for number in suspects:
+            began = time.monotonic()
+            for _, future in _completed(task, [number], "again"):
+                yield number, _outcome(future) or _killed(task, time.monotonic() - began)
+
+
+def _killed(task: Work, seconds: float) -> Outcome:
+    """Outcome of a gait that has ended its worker again after some time [s], alone there."""
+    reason, message = "KilledWorker", KILLED
+    if seconds >= task.timeout:
+        reason, message = "Timeout", f"took longer than the time limit of {task.timeout:g} s"
+    return Outcome({"verdict": LOST, "reason": reason, "message": message})
 
 
 def _completed(

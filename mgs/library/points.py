@@ -8,6 +8,7 @@ import io
 import itertools
 import json
 import math
+import re
 import sqlite3
 import warnings
 from collections.abc import Iterable, Iterator
@@ -18,13 +19,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mgs.core.config import parse_yaml, read_text
 from mgs.core.errors import ConfigError
+from mgs.core.foreign import told_as
+from mgs.core.input_files import is_file, read_text
+from mgs.core.limits import MAX_GAITS, MAX_VALUES
+from mgs.core.short_text import shown
+from mgs.core.yaml_text import parse_yaml
 from mgs.gait import Gait, find_gait, parse_gait
+from mgs.gait.find import refuse_outside
 from mgs.library.condition import compile_condition, quoted
-from mgs.library.sweep import MAX_GAITS, Axis, Sweep, load_sweep
+from mgs.library.sweep import Axis, Sweep, load_sweep
 
 Point = tuple[Any, ...]
+DECIMAL = re.compile(r"-?(0|[1-9][0-9]*)\.[0-9]+")
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,17 +71,21 @@ def plan_sweep(path: Path) -> Plan:
         ConfigError: sweep file, table or base gait is malformed, a key or a name in a filter is
             unknown, no robot is named, or the sweep has no points or more than a library can hold.
     """
+    with told_as(lambda what: ConfigError(path, f"no gaits can be made of this sweep: {what}")):
+        return _planned(path)
+
+
+def _planned(path: Path) -> Plan:
+    """The plan of a sweep; see `plan_sweep`."""
     sweep = load_sweep(path)
-    base = find_gait(_beside(path, sweep.base))
+    base = find_gait(_beside(path, sweep.base), path.parent)
     text = read_text(base)
     gait = parse_gait(text, base)
-    table_keys, rows = _read_table(path.parent / sweep.table) if sweep.table else ((), [()])
+    table_keys, rows = _read_table(_table(path, sweep.table)) if sweep.table else ((), [()])
     keys = (*table_keys, *sweep.axes)
     _check_values(path, sweep, rows)
     _check_keys(path, gait, table_keys, tuple(sweep.axes))
-    n_points = _count(sweep, len(rows))
-    if n_points > MAX_GAITS:
-        raise ConfigError(path, f"asks for {n_points} gaits; at most {MAX_GAITS} are allowed")
+    _refuse_too_many(path, _count(sweep, len(rows)), len(keys))
     points = [row + point for row in rows for point in _points(sweep)]
     if "robot" in keys:
         _check_robots(path, {point[keys.index("robot")] for point in points})
@@ -88,14 +99,34 @@ def plan_sweep(path: Path) -> Plan:
 
 def _beside(sweep: Path, name: str) -> str | Path:
     """Gait file: one beside the sweep file is preferred to one in the working folder."""
-    beside = sweep.parent / name
-    return beside if beside.is_file() else name
+    return name if is_file(sweep.parent / name) or not is_file(Path(name)) else Path(name).resolve()
+
+
+def _table(sweep: Path, name: str) -> Path:
+    """Table that a sweep file names; raises ConfigError where it leads to another folder."""
+    path = sweep.parent / name
+    refuse_outside(path, (sweep.parent, Path()), f"{sweep}: table: {name}")
+    return path
+
+
+def _refuse_too_many(path: Path, n_points: int, n_keys: int) -> None:
+    if n_points > MAX_GAITS:
+        raise ConfigError(path, f"asks for {n_points} gaits; at most {MAX_GAITS} are allowed")
+    if n_points * n_keys > MAX_VALUES:
+        raise ConfigError(
+            path,
+            f"asks for {n_points} gaits with {n_keys} varied keys each; at most {MAX_VALUES} "
+            f"values are allowed; use fewer keys or at most {MAX_VALUES // n_keys} gaits",
+        )
 
 
 def _check_keys(path: Path, gait: Gait, table_keys: tuple[str, ...], axes: tuple[str, ...]) -> None:
     known = flat(gait.model_dump())
     problems = []
     for key in (*table_keys, *axes):
+        if not key.isprintable():
+            problems.append(f"axes.{shown(key)}: contains control characters")
+            continue
         parents = {key[:i] for i, c in enumerate(key) if c == "."}
         unset = any(known.get(parent, parent) is None for parent in parents)
         if key not in known and not unset:
@@ -114,15 +145,15 @@ def _check_keys(path: Path, gait: Gait, table_keys: tuple[str, ...], axes: tuple
 
 
 def _check_values(path: Path, sweep: Sweep, rows: list[Point]) -> None:
-    """Refuse values that no gait file can hold, such as the dates of YAML."""
+    """Refuse values that no gait file can hold, such as infinity."""
     lists = {f"axes.{key}": axis.values or [] for key, axis in sweep.axes.items()}
     for key, found in (lists | {"table": [x for row in rows for x in row]}).items():
         for value in found:
             try:
-                json.dumps(value)
+                json.dumps(value, allow_nan=False)
             except (TypeError, ValueError) as error:
                 raise ConfigError(
-                    path, f"{key}: {value!s:.60} is not a value that a gait file can hold"
+                    path, f"{key}: {shown(value)} is not a value that a gait file can hold"
                 ) from error
 
 
@@ -150,7 +181,16 @@ def flat(tree: dict[str, Any], prefix: str = "") -> dict[str, Any]:
 
 def _read_table(path: Path) -> tuple[tuple[str, ...], list[Point]]:
     """Keys and rows of a CSV file; every field is read as YAML, as in a gait file."""
-    lines = [row for row in csv.reader(io.StringIO(read_text(path), newline="")) if row]
+    text = read_text(path, kind="a table")
+    if "\r" in text.replace("\r\n", ""):
+        remedy = "save it with the line ends of Unix or Windows"
+        raise ConfigError(
+            path, f"its lines end as on old Macs, with carriage returns alone; {remedy}"
+        )
+    try:
+        lines = [row for row in csv.reader(io.StringIO(text, newline="")) if row]
+    except csv.Error as error:
+        raise ConfigError(path, f"not a CSV file: {error}") from error
     if len(lines) < 2:
         raise ConfigError(path, "needs a first row with keys, and rows with their values")
     keys = tuple(key.strip() for key in lines[0])
@@ -158,8 +198,13 @@ def _read_table(path: Path) -> tuple[tuple[str, ...], list[Point]]:
     for number, line in enumerate(lines[1:], start=2):
         if len(line) != len(keys):
             raise ConfigError(path, f"row {number} has {len(line)} fields, the first {len(keys)}")
-        rows.append(tuple(parse_yaml(text, f"{path}: row {number}") for text in line))
+        rows.append(tuple(_field(text, f"{path}: row {number}") for text in line))
     return keys, rows
+
+
+def _field(text: str, source: str) -> Any:
+    """Value of a field; plain decimal numbers, which are most, do not need the YAML parser."""
+    return float(text) if DECIMAL.fullmatch(text) else parse_yaml(text, source)
 
 
 def _count(sweep: Sweep, n_rows: int) -> int:
@@ -243,7 +288,11 @@ def _filtered(
         for point in points:
             known |= zip(keys, point, strict=True)
             row = [plain(value) for value in known.values()]
-            if connection.execute(query, (*parameters, *row)).fetchone()[0]:
+            try:
+                found = connection.execute(query, (*parameters, *row)).fetchone()[0]
+            except sqlite3.Error as error:
+                raise ConfigError(path, f"filters: cannot be evaluated: {error}") from error
+            if found:
                 yield point
 
 

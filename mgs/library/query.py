@@ -15,6 +15,9 @@ from typing import Any
 import numpy as np
 
 from mgs.core.errors import ConfigError, InputError, MgsError
+from mgs.core.foreign import told_as
+from mgs.core.input_files import is_inside
+from mgs.core.short_text import shown
 from mgs.library.condition import compile_condition, quoted
 from mgs.library.manifest import Manifest, Value, connect, is_whole, reading
 
@@ -65,12 +68,13 @@ class GaitLibrary:
         self._connection = connect(self.folder)
         condition = f"({where}) and file is not None"
         columns = ["number", "vx", "vy", "wz"]
-        found = list(_select(Manifest(self._connection), columns, condition))
-        if not found:
-            raise MgsError(f"{folder}: no gait of this library fulfils {where}")
-        self._numbers = [int(row[0]) for row in found]
-        velocities = np.array([row[1:] for row in found], dtype=np.float64)
-        self._tree = KDTree(velocities * self._scale)
+        with told_as(lambda what: InputError(f"{folder}: no sound gait library: {what}")):
+            found = list(_select(Manifest(self._connection), columns, condition))
+            if not found:
+                raise MgsError(f"{folder}: no gait of this library fulfils {where}")
+            self._numbers = [int(row[0]) for row in found]
+            velocities = np.array([row[1:] for row in found], dtype=np.float64)
+            self._tree = KDTree(velocities * self._scale)
 
     @property
     def _scale(self) -> tuple[float, float, float]:
@@ -100,6 +104,8 @@ class GaitLibrary:
         if not figures.get("file"):
             raise InputError(f"{self.folder}: contains no motion file of gait {number}")
         path = self.folder / figures["file"]
+        if not is_inside(path, [self.folder]):
+            raise InputError(f"{self.folder}: {shown(figures['file'])} is not in this folder")
         return LibraryGait(number, path, figures["vx"], figures["vy"], figures["wz"], figures)
 
     def close(self) -> None:
@@ -221,20 +227,22 @@ def report(folder: Path) -> dict[str, Any]:
             name: _range(manifest, name)
             for name in ("vx", "vy", "wz", "zmp_margin", "torque_ratio", "joint_speed_ratio")
         }
+        kernels = [row[0] for row in _select(manifest, ["kernel"], "kernel is not None")]
         shares = {key: _shares(manifest, key) for key in keys}
-    damaged = [file for *_, file, sha256 in states if not is_whole(folder, file, sha256)]
-    return {
-        "folder": str(folder),
-        "gaits": int(identity["number of gaits"]),
-        "made": len(states),
-        "physics": identity["physics"],
-        "mgs_version": identity["mgs version"],
-        "verdicts": dict(Counter(verdict for _, verdict, *_ in states)),
-        "reasons": dict(Counter(reason for _, _, reason, *_ in states if reason).most_common()),
-        "ranges_of_passes": ranges,
-        "passes_by_value": shares,
-        "damaged_files": damaged,
-    }
+        damaged = [file for *_, file, sha256 in states if not is_whole(folder, file, sha256)]
+        return {
+            "folder": str(folder),
+            "gaits": int(identity["number of gaits"]),
+            "made": len(states),
+            "physics": identity["physics"],
+            "mgs_version": identity["mgs version"],
+            "verdicts": dict(Counter(verdict for _, verdict, *_ in states)),
+            "reasons": dict(Counter(reason for _, _, reason, *_ in states if reason).most_common()),
+            "kernels": dict(Counter(kernels)),
+            "ranges_of_passes": ranges,
+            "passes_by_value": shares,
+            "damaged_files": damaged,
+        }
 
 
 def _keys(identity: dict[str, str]) -> list[str]:

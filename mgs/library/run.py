@@ -15,7 +15,7 @@ import mgs
 from mgs.core.atomic_files import replace_file
 from mgs.core.errors import ConfigError, MgsError
 from mgs.library.cluster import cluster, dashboard_of
-from mgs.library.interrupt import deferred_interrupt
+from mgs.library.interrupt import deferred_interrupt, interrupts_told_as_such
 from mgs.library.lock import locked
 from mgs.library.manifest import (
     GAITS_FOLDER,
@@ -26,18 +26,24 @@ from mgs.library.manifest import (
     is_whole,
     writing,
 )
+from mgs.library.new_folder import library_folder
 from mgs.library.outcomes import Work, outcomes
 from mgs.library.points import Plan, plain
 from mgs.library.summary import Summary
-from mgs.library.worker import GaitWorker, Outcome, Recipe, solver_of
+from mgs.library.worker import TIMEOUT, GaitWorker, Outcome, Recipe, solver_of
 from mgs.robot import load_robot
 from mgs.sim import EngineName, ServoName
 
 
 def recipe_of(
-    plan: Plan, engines: tuple[EngineName, ...] = (), servo: ServoName = "ideal"
+    plan: Plan,
+    engines: tuple[EngineName, ...] = (),
+    servo: ServoName = "ideal",
+    timeout: float = TIMEOUT,
 ) -> Recipe:
     """Everything that workers need to make the gaits of a plan.
+
+    A gait that takes longer than `timeout` [s] is given up.
 
     Raises:
         ConfigError: a robot is missing or malformed.
@@ -46,7 +52,8 @@ def recipe_of(
     for name in plan.robots:
         robot = load_robot(name)
         robots[name] = robot.yaml, robot.urdf
-    return Recipe(str(plan.base), plan.base_text, plan.base.stem, robots, engines, servo)
+    name = plan.base.stem.encode("utf-8", "replace").decode()  # a file name may be no text
+    return Recipe(str(plan.base), plan.base_text, name, robots, engines, servo, timeout)
 
 
 def run_batch(
@@ -81,13 +88,12 @@ def run_batch(
         raise MgsError(
             f"{folder}: holds a library; continue it with --resume, or use another folder"
         )
-    (folder / GAITS_FOLDER).mkdir(parents=True, exist_ok=True)
     summary = Summary(folder, len(plan.points))
-    with locked(folder), writing(folder, identity, plan.keys) as manifest:
+    with library_folder(folder), locked(folder), writing(folder, identity, plan.keys) as manifest:
         _check_same(folder, manifest.identity(), identity)
         todo = _todo(manifest, folder, summary)
         if todo:
-            with cluster(workers, address, len(todo)) as client:
+            with interrupts_told_as_such(), cluster(workers, address, len(todo)) as client:
                 _make(plan, recipe, client, manifest, todo, summary, tell)
     return summary
 
@@ -159,7 +165,7 @@ def _make(
 
     told()
     with deferred_interrupt() as interrupt:
-        task = Work(client, name, plan, summary, interrupt)
+        task = Work(client, name, plan, summary, interrupt, recipe.timeout)
         for number, outcome in outcomes(task, todo):
             try:
                 _keep(plan, manifest, summary.folder, number, outcome)

@@ -9,10 +9,13 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, model_validator
 from pydantic_core import CoreSchema
 
-from mgs.core.config import FormatVersion, Model, build, parse_yaml, read_text
+from mgs.core.config import FormatVersion, Model, Whole, build
+from mgs.core.input_files import read_text
+from mgs.core.limits import MAX_GAITS
+from mgs.core.yaml_text import parse_yaml
 
-MAX_GAITS = 1_000_000
 KINDS = ("values", "linspace", "logspace", "integers", "uniform", "log_uniform")
+Bounded = Annotated[Whole, Field(ge=-(2**53), le=2**53)]  # as many as numbers of YAML can tell
 Ends = Annotated[list[float], Field(min_length=2, max_length=2)]
 EndsAndCount = Annotated[list[float], Field(min_length=3, max_length=3)]
 
@@ -33,7 +36,7 @@ class Axis(Model):
         description="Values with a constant ratio between neighbours, given by first value, last "
         "value and number of values; values in the unit of the key.",
     )
-    integers: Annotated[list[int], Field(min_length=2, max_length=2)] | None = Field(
+    integers: Annotated[list[Bounded], Field(min_length=2, max_length=2)] | None = Field(
         None, description="All integers of a range, given by the first and the last one."
     )
     uniform: Ends | None = Field(
@@ -63,7 +66,14 @@ class Axis(Model):
             raise ValueError(f"{self.kind}: {ends[0]:g} is not below {ends[1]:g}")
         if self.kind in ("logspace", "log_uniform") and min(ends) <= 0.0:
             raise ValueError(f"{self.kind}: both ends have to be above 0, found {min(ends):g}")
+        if ends and not math.isfinite(ends[1] - ends[0]):
+            raise ValueError(f"{self.kind}: from {ends[0]:g} to {ends[1]:g} is too wide a range")
         count = (self.linspace or self.logspace or [0, 0, 1])[2]
+        if self.integers is not None and self.integers[1] - self.integers[0] >= MAX_GAITS:
+            raise ValueError(
+                f"integers: from {self.integers[0]} to {self.integers[1]} are more than "
+                f"{MAX_GAITS} values; use linspace with a number of values"
+            )
         if not (math.floor(count) == count and 1 <= count <= MAX_GAITS):
             raise ValueError(
                 f"{self.kind}: the third entry is the number of values, a whole number from 1 to "
@@ -103,14 +113,14 @@ class Sweep(Model):
         "latin_hypercube, sobol: random draws that fill the space of the axes evenly. table: rows "
         "of a CSV file, each combined with every combination of the axes.",
     )
-    samples: int | None = Field(
+    samples: Whole | None = Field(
         None,
         ge=1,
         le=MAX_GAITS,
         description="Number of random draws for latin_hypercube and sobol; a power of 2 is best "
         "for sobol; null: for grid and table, which draw nothing.",
     )
-    seed: int = Field(0, ge=0, le=2**32 - 1, description="Seed of the random draws.")
+    seed: Whole = Field(0, ge=0, le=2**32 - 1, description="Seed of the random draws.")
     table: str | None = Field(
         None,
         min_length=1,

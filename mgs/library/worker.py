@@ -6,13 +6,18 @@ have in common, and `work` calls `make_gait` there.
 
 from __future__ import annotations
 
+import contextlib
+import faulthandler
 import functools
 import hashlib
 import json
 import math
+import os
 import threading
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,6 +30,7 @@ from mgs.core.geometry import yaw_from_quat_xyzw
 from mgs.gait import Gait, SequenceGait, parse_gait
 from mgs.judge.motion_checks import Check, check_motion
 from mgs.judge.verdict import judge
+from mgs.library.kernel import processor_kernel
 from mgs.library.manifest import LOST, Value
 from mgs.motion import Motion
 from mgs.motion.energy import energy_of
@@ -32,6 +38,8 @@ from mgs.motion_file import motion_bytes
 from mgs.pipeline import generate
 from mgs.robot import Robot, build_robot
 from mgs.sim import EngineName, Replay, ServoName, replay
+
+TIMEOUT = 600.0  # [s], default
 
 
 @dataclass(frozen=True)
@@ -44,6 +52,7 @@ class Recipe:
     robots: dict[str, tuple[str, str]]  # texts of robot.yaml and URDF by the name of the robot
     engines: tuple[EngineName, ...] = ()
     servo: ServoName = "ideal"
+    timeout: float = TIMEOUT  # [s] after which a gait is given up
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +77,7 @@ def make_gait(recipe: Recipe, assignments: tuple[str, ...]) -> Outcome:
     except Exception as error:
         outcome = failure(LOST, error)
     outcome.row["seconds"] = time.perf_counter() - started
+    outcome.row["kernel"] = processor_kernel()
     return outcome
 
 
@@ -225,5 +235,19 @@ def work(name: str, assignments: tuple[str, ...]) -> Outcome:
     """Make a gait on a worker that has the recipe of that name."""
     plugin = get_worker().plugins[name]
     assert isinstance(plugin, GaitWorker)
-    with _one_at_a_time:
+    with _one_at_a_time, _ended_after(plugin.recipe.timeout):
         return make_gait(plugin.recipe, assignments)
+
+
+@contextlib.contextmanager
+def _ended_after(seconds: float) -> Iterator[None]:
+    """End this process after some time, even if it hangs in compiled code.
+
+    Dask cannot stop a task, but it notices that a worker has ended, and starts another one.
+    """
+    with Path(os.devnull).open("w") as nowhere:
+        faulthandler.dump_traceback_later(seconds, exit=True, file=nowhere)
+        try:
+            yield
+        finally:
+            faulthandler.cancel_dump_traceback_later()

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mgs.core.contact import Support
+from mgs.core.contact import Side, Support
+from mgs.core.limits import MAX_BALLS, MAX_BOXES
 from mgs.motion import Motion
 from mgs.motion_file.topics import field_shapes
 
@@ -14,6 +15,10 @@ def find_problem(motion: Motion) -> str | None:
     n_samples = len(motion.q)
     if n_samples == 0:
         return "it has no samples"
+    if motion.gait.is_balanced and len(motion.footsteps) < len(Side):
+        return "it has no two footsteps that the robot stands on at the start"
+    if len(motion.scene.boxes) > MAX_BOXES or len(motion.scene.balls) > MAX_BALLS:
+        return f"it has more than {MAX_BOXES} boxes or {MAX_BALLS} balls on the floor"
     for name, shape in field_shapes(motion.robot.n).items():
         array = getattr(motion, name)
         if array.shape != (n_samples, *shape) or array.dtype != np.float64:

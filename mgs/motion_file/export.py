@@ -16,9 +16,9 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from mgs.core.arrays import Array
-from mgs.core.atomic_files import replacing
+from mgs.core.atomic_files import refuse_taken, replacing
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
-from mgs.core.errors import ConfigError, MgsError, OutputExistsError
+from mgs.core.errors import ConfigError, MgsError
 from mgs.core.wrong_type import given_path
 from mgs.motion import Motion
 from mgs.motion.cycle import Cycle, find_cycle
@@ -41,8 +41,7 @@ def export_motion(
         OutputExistsError: there is a file and `force` is not set.
         MgsError: the file cannot be written.
     """
-    if path.is_dir() or (path.exists() and not force):
-        raise OutputExistsError(path)
+    refuse_taken(path, force)
     try:
         with replacing(path) as stream:
             FORMATS[fmt](motion, cycle, stream)

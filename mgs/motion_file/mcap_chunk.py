@@ -20,9 +20,10 @@ from mcap.opcode import Opcode
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from mgs.core.limits import MAX_RATIO, MAX_RECORD
 from mgs.motion_file.cdr import Bytes
 from mgs.motion_file.mcap_layout import HEAD, MESSAGE, MESSAGE_HEAD, RECORD_HEAD, Times
-from mgs.motion_file.mcap_records import MAX_SIZE, NO_CHECKSUM, UnreadableFileError
+from mgs.motion_file.mcap_records import NO_CHECKSUM, UnreadableFileError
 
 
 @dataclass(frozen=True)
@@ -105,6 +106,14 @@ def walk(data: bytes) -> Iterator[tuple[int, int, int]]:
         offset = end
 
 
+def refuse_expansion(unpacked: int, size: int) -> None:
+    """Raise UnreadableFileError where all chunks unpacked are too large for a file of a size."""
+    if unpacked > MAX_RATIO * size:
+        raise UnreadableFileError(
+            f"its chunks would unpack to {unpacked} bytes, more than {MAX_RATIO} times the file"
+        )
+
+
 def unpack(chunk: mcap.records.Chunk) -> bytes:
     """Uncompressed records of a chunk.
 
@@ -113,9 +122,9 @@ def unpack(chunk: mcap.records.Chunk) -> bytes:
             read here.
     """
     size = chunk.uncompressed_size
-    if size > MAX_SIZE:
+    if size > MAX_RECORD:
         raise UnreadableFileError(
-            f"a chunk of {size} bytes is larger than the {MAX_SIZE} that are read at once; write "
+            f"a chunk of {size} bytes is larger than the {MAX_RECORD} that are read at once; write "
             "the file again with smaller chunks"
         )
     if chunk.compression not in UNPACKERS:

@@ -22,7 +22,8 @@ from mcap.records import (
 from mcap.stream_reader import StreamReader
 from numpy.typing import NDArray
 
-from mgs.motion_file.mcap_chunk import Chunk, unpack
+from mgs.core.limits import MAX_SUMMARY
+from mgs.motion_file.mcap_chunk import Chunk, refuse_expansion, unpack
 from mgs.motion_file.mcap_layout import INDEX_HEAD
 from mgs.motion_file.mcap_records import RecordFile, UnreadableFileError
 
@@ -60,6 +61,9 @@ def contents_of_summary(file: RecordFile) -> Contents | None:
         return None
     records = _records_of_summary(file, file.summary_start)
     chunks = [r for r in records if isinstance(r, ChunkIndex)]
+    if len({c.chunk_start_offset for c in chunks}) < len(chunks):
+        raise UnreadableFileError("the index names a chunk twice")
+    refuse_expansion(sum(c.uncompressed_size for c in chunks), file.size)
     contents = Contents(
         schemas={r.id: r for r in records if isinstance(r, Schema)},
         channels={r.id: r for r in records if isinstance(r, Channel)},
@@ -81,8 +85,11 @@ def contents_of_summary(file: RecordFile) -> Contents | None:
 
 
 def _records_of_summary(file: RecordFile, start: int) -> list[McapRecord]:
+    if file.size - start > MAX_SUMMARY:
+        raise UnreadableFileError(f"its index is larger than {MAX_SUMMARY} bytes")
     summary = file.bytes_at(start, file.size - start)
-    return list(StreamReader(io.BytesIO(summary), skip_magic=True).records)
+    # a chunk has no business there; if there is one, it must not be unpacked
+    return list(StreamReader(io.BytesIO(summary), skip_magic=True, emit_chunks=True).records)
 
 
 def _is_complete(contents: Contents, records: list[McapRecord], chunks: list[ChunkIndex]) -> bool:
@@ -98,7 +105,10 @@ def _is_complete(contents: Contents, records: list[McapRecord], chunks: list[Chu
 
 def _load_indexed(file: RecordFile, index: ChunkIndex) -> Chunk:
     """Chunk with the entries of its message indexes."""
-    data = unpack(file.record_at(index.chunk_start_offset, Opcode.CHUNK, mcap.records.Chunk.read))
+    chunk = file.record_at(index.chunk_start_offset, Opcode.CHUNK, mcap.records.Chunk.read)
+    if chunk.uncompressed_size != index.uncompressed_size:
+        raise UnreadableFileError("a chunk does not have the size that the index declares")
+    data = unpack(chunk)
     offsets = index.message_index_offsets
     entries = {channel: _index_entries(file, at, channel) for channel, at in offsets.items()}
     return Chunk(np.frombuffer(data, dtype=np.uint8), entries)

@@ -15,11 +15,11 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Header, McapRecord
 
+from mgs.core.limits import MAX_RECORD
 from mgs.motion_file.mcap_layout import DATA_END, FOOTER, MAGIC, RECORD_HEAD, crc_of
 
 R = TypeVar("R", bound=McapRecord)
 
-MAX_SIZE = 1 << 28  # [bytes] of a record or an uncompressed chunk; ours with samples are far below
 NO_CHECKSUM = 0
 NOT_OURS = "an MCAP file, but not a motion file that mgs wrote"
 
@@ -62,9 +62,9 @@ class RecordFile:
         """Part of the file; raises UnreadableFileError where it is shorter or the part too long."""
         if offset + size > self.size:
             raise UnreadableFileError("a record reaches beyond the end")
-        if size > MAX_SIZE:
+        if size > MAX_RECORD:
             raise UnreadableFileError(
-                f"a record of {size} bytes is longer than the {MAX_SIZE} that are read at once"
+                f"a record of {size} bytes is longer than the {MAX_RECORD} that are read at once"
             )
         self.stream.seek(offset)
         return self.stream.read(size)

@@ -18,7 +18,7 @@ import mcap.records
 from mcap.opcode import Opcode
 from mcap.records import Attachment, AttachmentIndex, Channel, Metadata, MetadataIndex, Schema
 
-from mgs.motion_file.mcap_chunk import Chunk, chunk_of_records, unpack, walk
+from mgs.motion_file.mcap_chunk import Chunk, chunk_of_records, refuse_expansion, unpack, walk
 from mgs.motion_file.mcap_contents import Contents, Place
 from mgs.motion_file.mcap_layout import BLOCK, HEAD, MAGIC, MESSAGE_HEAD, RECORD_HEAD
 from mgs.motion_file.mcap_records import (
@@ -51,6 +51,7 @@ class Scan:
     metadata: dict[str, MetadataIndex] = field(default_factory=dict)
     runs: list[Run] = field(default_factory=list)
     chunks: list[int] = field(default_factory=list)  # offsets
+    unpacked: int = 0  # size of the chunks so far [bytes]
 
     def add_record(self, opcode: int, offset: int, end: int, head: bytes) -> None:
         """Take in a record outside chunks; `head` begins with its first bytes."""
@@ -68,7 +69,10 @@ class Scan:
 
     def add_chunk(self, offset: int) -> Place:
         """Take in what is in a chunk; returns where its messages are."""
-        data = unpack(self.file.record_at(offset, Opcode.CHUNK, mcap.records.Chunk.read))
+        chunk = self.file.record_at(offset, Opcode.CHUNK, mcap.records.Chunk.read)
+        self.unpacked += chunk.uncompressed_size
+        refuse_expansion(self.unpacked, self.file.size)
+        data = unpack(chunk)
         for opcode, start, end in walk(data):
             if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 self._add_topic(opcode, data[start + RECORD_HEAD.size : end])

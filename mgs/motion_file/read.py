@@ -4,18 +4,26 @@ from __future__ import annotations
 
 import contextlib
 import json
-import struct
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, BinaryIO, Literal
 
-import zstandard
-from mcap.exceptions import McapError
 from pydantic import Field, PlainValidator, TypeAdapter
 
 from mgs.core.config import Model, build
 from mgs.core.contact import Footstep, Side
 from mgs.core.errors import ConfigError, MotionFileError
+from mgs.core.foreign import described
+from mgs.core.input_files import opened
+from mgs.core.limits import (
+    MAX_ATTACHMENT,
+    MAX_BALLS,
+    MAX_BOXES,
+    MAX_FILE,
+    MAX_PARTS,
+    MAX_STEPS,
+    MAX_URDF,
+)
 from mgs.core.scene import Ball, Box, Scene
 from mgs.core.wrong_type import wrong_type
 from mgs.gait import Gait, parse_gait
@@ -71,8 +79,8 @@ class BallEntry(Model):
 class SceneEntry(Model):
     """Objects on the ground in the metadata."""
 
-    boxes: list[BoxEntry] = Field([])
-    balls: list[BallEntry] = Field([])
+    boxes: list[BoxEntry] = Field([], max_length=MAX_BOXES)
+    balls: list[BallEntry] = Field([], max_length=MAX_BALLS)
 
 
 def _provenance(value: object) -> Provenance:
@@ -87,7 +95,7 @@ class MotionMetadata(Model):
     dt: float = Field(gt=0.0, le=1.0)
     samples: int = Field(gt=0)
     provenance: Annotated[Provenance, PlainValidator(_provenance)]
-    footsteps: list[FootstepEntry]
+    footsteps: list[FootstepEntry] = Field(max_length=2 * MAX_STEPS * MAX_PARTS)
     scene: SceneEntry = SceneEntry()
 
 
@@ -106,7 +114,7 @@ def read_motion(motion: Motion | str | Path) -> Motion:
     if not isinstance(motion, str | Path):
         raise wrong_type("the motion", "a Motion or the path of a motion file", motion)
     path = Path(motion)
-    with _all_errors_naming(path), path.open("rb") as stream:
+    with _all_errors_naming(path), opened(path) as stream:
         reader = _open(path, stream)
         found = _read(path, reader)
     if problem := find_problem(found):
@@ -126,7 +134,7 @@ def read_info(path: Path) -> dict[str, Any]:
         MotionFileError: the file is missing, damaged or not a motion file.
     """
     path = Path(path)
-    with _all_errors_naming(path), path.open("rb") as stream:
+    with _all_errors_naming(path), opened(path) as stream:
         reader = _open(path, stream)
         values = _parsed(reader.read_metadata())
         topics = [
@@ -162,18 +170,8 @@ def _all_errors_naming(path: Path) -> Iterator[None]:
         raise MotionFileError(path, str(error)) from error
     except ConfigError as error:
         raise MotionFileError(path, str(error).removeprefix(f"{path}: ")) from error
-    except (
-        ArithmeticError,
-        LookupError,
-        McapError,
-        MemoryError,
-        RuntimeError,
-        TypeError,
-        ValueError,
-        struct.error,
-        zstandard.ZstdError,
-    ) as error:
-        reason = f"{type(error).__name__}: {error}"
+    except Exception as error:
+        reason = described(error)
         raise MotionFileError(path, f"not in the layout of a motion file ({reason})") from error
 
 
@@ -220,11 +218,17 @@ def _read(path: Path, reader: McapReader) -> Motion:
 
 
 def _read_attachments(path: Path, reader: McapReader) -> tuple[Robot, Gait]:
-    names = ("gait.yaml", "robot.yaml", "robot.urdf")
-    for name in names:
+    limits = {"gait.yaml": MAX_ATTACHMENT, "robot.yaml": MAX_FILE, "robot.urdf": MAX_URDF}
+    for name, limit in limits.items():
         if name not in reader.contents.attachments:
             raise MotionFileError(path, f"attachment {name} is missing")
-    gait, robot, urdf = (reader.read_attachment(name).decode() for name in names)
+        if reader.contents.attachments[name].data_size > limit:
+            raise MotionFileError(path, f"attachment {name} is larger than {limit // 1000} kB")
+    texts = [reader.read_attachment(name) for name in limits]
+    for (name, limit), text in zip(limits.items(), texts, strict=True):
+        if len(text) > limit:
+            raise MotionFileError(path, f"attachment {name} is larger than it says")
+    gait, robot, urdf = (text.decode() for text in texts)
     return (
         build_robot(robot, urdf, f"{path}: robot.yaml"),
         parse_gait(gait, f"{path}: gait.yaml", any_name=True),

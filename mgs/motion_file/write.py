@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import mgs
-from mgs.core.atomic_files import replacing
+from mgs.core.atomic_files import refuse_taken, replacing
 from mgs.core.contact import Support
-from mgs.core.errors import MgsError, MotionFileError, OutputExistsError
+from mgs.core.errors import MgsError, MotionFileError
 from mgs.core.progress import Progress
 from mgs.core.wrong_type import given_path, wrong_type
 from mgs.motion import Motion
@@ -93,8 +93,7 @@ def write_motion(
     path = given_path(path)
     if problem := find_problem(motion):
         raise MotionFileError(path, f"not written: {problem}")
-    if path.is_dir() or (path.exists() and not force):
-        raise OutputExistsError(path)
+    refuse_taken(path, force)
     try:
         with replacing(path) as stream:
             _write(motion, stream, progress or (lambda done, total: None), added)

@@ -16,8 +16,8 @@ from mgs.core.arrays import Array
 from mgs.core.contact import Side
 from mgs.core.errors import ConfigError
 from mgs.core.geometry import compose_planar, wrap_angle
+from mgs.core.limits import MAX_STEPS
 from mgs.gait import GoalParameters
-from mgs.gait.walk import MAX_STEPS
 
 ROUNDING = 1e-9  # tolerance of a number of steps
 
@@ -55,8 +55,8 @@ def way_to_goal(goal: GoalParameters, swing: Side, limits: StepLimits) -> list[A
     if fewest >= MAX_STEPS:
         raise ConfigError(
             "walk.goal",
-            f"the goal is {fewest} steps away, {MAX_STEPS} allowed; use a nearer goal or a larger "
-            "walk.step_length",
+            f"the goal is {fewest} or more steps away, {MAX_STEPS} allowed; use a nearer goal or "
+            "a larger walk.step_length",
         )
     paths = [_centres(way, swing, limits) for way in ways]
     return min(paths, key=len)
@@ -93,7 +93,7 @@ def _n_steps(section: Array, limits: StepLimits) -> int:
 
 def _parts(way: float, largest: float) -> int:
     """Number of equal parts into which a way is divided so that none exceeds the largest."""
-    return math.ceil(abs(way) / largest - ROUNDING)
+    return math.ceil(min(abs(float(way)) / float(largest), MAX_STEPS) - ROUNDING)
 
 
 def along_twist(twist: Array, part: float) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 
 from mgs.core.contact import Footstep, Side, Support
 from mgs.core.errors import ConfigError
+from mgs.core.limits import MAX_SAMPLES
 from mgs.motion_planner.motion_plan import Phase
 
 MIN_SAMPLES = 5  # of a phase; with fewer the quintic blend is no longer sampled
@@ -21,9 +22,15 @@ def phase_bounds(durations: Sequence[Duration], dt: float) -> list[int]:
     Bounds are rounded one by one, so that rounding errors do not add up.
 
     Raises:
-        ConfigError: a phase has too few samples.
+        ConfigError: a phase has too few samples, or all together have too many.
     """
     ends = np.cumsum([0.0, *(seconds for _, seconds in durations)])
+    if not ends[-1] / dt <= MAX_SAMPLES:
+        raise ConfigError(
+            "dt",
+            f"{ends[-1]:.0f} s at dt = {dt:g} s are {ends[-1] / dt:.2g} samples; at most "
+            f"{MAX_SAMPLES:g} allowed; use a shorter motion or a larger dt",
+        )
     samples = np.round(ends / dt).astype(int)
     shortest = int(np.argmin(np.diff(samples)))
     if samples[shortest + 1] - samples[shortest] < MIN_SAMPLES:

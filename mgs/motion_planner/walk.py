@@ -37,12 +37,13 @@ def plan_walk(robot: Robot, gait: WalkGait) -> WalkPlan:
     width = walk.step_width or midpoint_width(robot)
     limits = _step_limits(robot, walk, width)
     level = plan_footsteps(walk, width, first_support_of(walk), limits)
+    bounds = phase_bounds(_durations(walk, len(level) - 2), gait.dt)  # before what takes longer
     _refuse_what_legs_lack(robot, walk, level)
     _refuse_overlap(robot, level)
     _refuse_zmp_beside_sole(robot, walk)
     boxes = tuple(Box(**box.model_dump()) for box in walk.boxes)
     footsteps = tuple(stand_on(robot, level, boxes))
-    phases = step_phases(phase_bounds(_durations(walk, len(footsteps) - 2), gait.dt), footsteps)
+    phases = step_phases(bounds, footsteps)
     if boxes:
         phases = _over_boxes(robot, phases, footsteps, boxes, gait)
     rest = standing_figures(robot)

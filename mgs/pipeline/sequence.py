@@ -13,8 +13,9 @@ from collections.abc import Iterator
 
 from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.core.errors import ConfigError, InfeasibleGaitError, SeamError
+from mgs.core.limits import MAX_SAMPLES
 from mgs.core.progress import Progress
-from mgs.gait import MAX_SAMPLES, SequenceGait, SingleGait
+from mgs.gait import SequenceGait, SingleGait
 from mgs.motion import Motion
 from mgs.pipeline.join import displacement, join, last_sample, moved
 from mgs.pipeline.seam import (

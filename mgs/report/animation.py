@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from mgs.core.arrays import Array
-from mgs.core.atomic_files import part_of, replace_file
+from mgs.core.atomic_files import part_of, refuse_taken, replace_file
 from mgs.core.contact import Side
-from mgs.core.errors import ConfigError, MgsError, OutputExistsError
+from mgs.core.errors import ConfigError, MgsError
 from mgs.core.progress import Progress
 from mgs.motion import Motion
 from mgs.report.canvas import FAINT, GREEN, INK, PURPLE, SIDE_COLOURS, TICK, style_axes
@@ -78,8 +78,7 @@ def check_output(output: Path, force: bool) -> float:
         raise ConfigError(output, f"the name of a moving picture ends in {' or '.join(FORMATS)}")
     if output.suffix == ".mp4" and shutil.which("ffmpeg") is None:
         raise MgsError(f"{output}: ffmpeg, which makes MP4 files, is not installed; write a .gif")
-    if output.is_dir() or (output.exists() and not force):
-        raise OutputExistsError(output)
+    refuse_taken(output, force)
     return RATE[output.suffix]
 
 

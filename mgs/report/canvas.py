@@ -14,11 +14,11 @@ import matplotlib as mpl
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Figure
+from matplotlib.text import Text
 from PIL import Image  # installed with matplotlib
 
-from mgs.core.atomic_files import replace_file
+from mgs.core.atomic_files import refuse_taken, replace_file
 from mgs.core.contact import Side
-from mgs.core.errors import OutputExistsError
 
 Format = Literal["png", "svg"]
 
@@ -88,8 +88,7 @@ def figure_paths(folder: Path, names: Iterable[str], fmt: Format, *, force: bool
     """
     paths = [Path(folder) / f"{name}.{fmt}" for name in names]
     for path in paths:
-        if path.is_dir() or (path.exists() and not force):
-            raise OutputExistsError(path)
+        refuse_taken(path, force)
     return paths
 
 
@@ -125,6 +124,8 @@ def render(figure: Figure, fmt: Format, few_colours: bool = False) -> bytes:
     stream = io.BytesIO()
     # without date, version and random identifiers
     metadata = {"Software": None} if fmt == "png" else {"Date": None, "Creator": None}
+    for text in figure.findobj(Text):  # a name with a dollar sign is no formula
+        text.set_parse_math("mathdefault" in text.get_text())
     with mpl.rc_context({"svg.hashsalt": "mgs"}):
         figure.savefig(stream, format=fmt, metadata=metadata)
     if few_colours and fmt == "png":

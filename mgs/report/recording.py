@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mgs.core.errors import ConfigError, OutputExistsError
+from mgs.core.atomic_files import refuse_taken
+from mgs.core.errors import ConfigError
 from mgs.core.progress import Progress
 from mgs.motion import Motion
 from mgs.sim import Replay
@@ -23,8 +24,7 @@ def check_record(path: Path, force: bool) -> None:
     """
     if path.suffix not in ENDINGS:
         raise ConfigError("--record", f"{path}: the name should end in {', '.join(ENDINGS)}")
-    if path.is_dir() or (path.exists() and not force):
-        raise OutputExistsError(path)
+    refuse_taken(path, force)
     if path.suffix in (".gif", ".mp4"):
         from mgs.report.animation import check_output
 

@@ -12,9 +12,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from mgs.core.atomic_files import part_of
+from mgs.core.atomic_files import part_of, refuse_taken
 from mgs.core.contact import Side
-from mgs.core.errors import MgsError, OutputExistsError
+from mgs.core.errors import MgsError
 from mgs.core.geometry import quat_xyzw_from_yaw
 from mgs.motion import Motion
 from mgs.motion_file import read_motion
@@ -43,8 +43,7 @@ def write_recording(file: Path, output: Path, *, force: bool = False) -> Path:
             f"{output}: a Rerun recording needs the package rerun-sdk 0.41 or later: "
             "pip install 'mgs[rerun]', or write a page (-o FILE.html)"
         ) from error
-    if output.is_dir() or (output.exists() and not force):
-        raise OutputExistsError(output)
+    refuse_taken(output, force)
     motion = read_motion(file)
     output.parent.mkdir(parents=True, exist_ok=True)
     part = part_of(output)

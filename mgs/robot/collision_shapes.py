@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from mgs.core.arrays import Array
-from mgs.robot.pinocchio_urdf import call_parser
+from mgs.robot.pinocchio_urdf import bounded, call_parser
 
 UNIT_CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])  # of a box
 
@@ -38,7 +38,7 @@ def collision_geometry(
     """
     with tempfile.TemporaryDirectory() as folder:  # Pinocchio reads geometry from files only
         path = Path(folder) / "robot.urdf"
-        path.write_text(urdf, encoding="utf-8")
+        path.write_text(bounded(urdf, source), encoding="utf-8")
         geometry = call_parser(
             lambda: pin.buildGeomFromUrdf(model, str(path), pin.GeometryType.COLLISION), source
         )

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mgs.core.config import is_file, read_text
 from mgs.core.errors import ConfigError
+from mgs.core.foreign import told_as
+from mgs.core.input_files import is_file, is_inside, read_text
+from mgs.core.limits import MAX_URDF
 from mgs.core.shipped import shipped_folder
 from mgs.core.wrong_type import wrong_type
 from mgs.robot.build import build_robot
@@ -26,9 +28,13 @@ def load_robot(robot: Robot | str | Path) -> Robot:
         raise wrong_type("the robot", "a Robot, the name of a shipped robot or a folder", robot)
     folder = find_robot(robot)
     path = folder / "robot.yaml"
-    text = read_text(path)
-    spec = parse_spec(text, path)
-    return build_robot(text, read_text(folder / spec.urdf), path, spec)
+    with told_as(lambda what: ConfigError(path, f"no robot can be made of this folder: {what}")):
+        text = read_text(path)
+        spec = parse_spec(text, path)
+        urdf = folder / spec.urdf
+        if not is_inside(urdf, (folder, path.resolve().parent, shipped_folder("robots"))):
+            raise ConfigError(path, f"urdf: {spec.urdf} is not in the robot folder; put it there")
+        return build_robot(text, read_text(urdf, MAX_URDF, "a URDF"), path, spec)
 
 
 def find_robot(name_or_dir: str | Path) -> Path:

@@ -7,7 +7,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from mgs.core.config import FormatVersion, Model, build, parse_yaml
+from mgs.core.config import FormatVersion, Model, build
+from mgs.core.yaml_text import parse_yaml
 from mgs.robot.servo_spec import ServoSpec
 
 MAX_LENGTH, MAX_MASS, MAX_ANGLE = 10.0, 1e4, 100.0  # [m], [kg], [rad]; larger: probably wrong unit

@@ -30,6 +30,7 @@ NUMBERS = {
     ("mimic", "offset"): (1, False),
 }
 PARTS = ("link", "joint")
+MOST_PROBLEMS = 100  # each search for a line reads the text once
 MOST_SHOWN = 60  # characters of a value in a message
 
 
@@ -40,8 +41,10 @@ def malformed(root: ElementTree.Element, text: str) -> list[str]:
         root: root element of the URDF.
         text: text of the URDF, from which messages take the line of a value.
     """
-    problems = []
+    problems: list[str] = []
     for part in (*root.findall("link"), *root.findall("joint")):
+        if len(problems) >= MOST_PROBLEMS:
+            break
         name = part.get("name", "")
         if not name.strip():
             problems.append(f"a {part.tag} has an empty name; give every link and joint a name")

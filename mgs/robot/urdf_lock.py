@@ -17,8 +17,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from mgs.core.errors import ConfigError
-
-NOT_READ = "cannot read it as a URDF"
+from mgs.robot.urdf_bounds import parse_bounded
 
 
 def lock_joints(urdf: str, angles: Mapping[str, float], source: str, urdf_name: str) -> str:
@@ -31,12 +30,7 @@ def lock_joints(urdf: str, angles: Mapping[str, float], source: str, urdf_name: 
     """
     if not angles:
         return urdf
-    try:
-        root = ElementTree.fromstring(urdf)
-    except ElementTree.ParseError as error:
-        raise ConfigError(
-            f"{source}: {urdf_name}", f"{NOT_READ}: not valid XML: {error}"
-        ) from error
+    root = parse_bounded(urdf, f"{source}: {urdf_name}")
     joints = {joint.get("name", ""): joint for joint in root.findall("joint")}
     problems: list[str] = []
     changed = False
@@ -49,10 +43,7 @@ def lock_joints(urdf: str, angles: Mapping[str, float], source: str, urdf_name: 
             changed = True
     if problems:
         raise ConfigError(source, problems)
-    try:
-        return ElementTree.tostring(root, encoding="unicode") if changed else urdf
-    except RecursionError as error:
-        raise ConfigError(f"{source}: {urdf_name}", f"{NOT_READ}: nested too deeply") from error
+    return ElementTree.tostring(root, encoding="unicode") if changed else urdf
 
 
 def _problem(

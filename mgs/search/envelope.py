@@ -8,10 +8,9 @@ longer steps than a failing one fail as well; all probes are kept, so that excep
 
 from __future__ import annotations
 
-import concurrent.futures
 import math
-import multiprocessing
 from collections.abc import Callable, Iterable
+from contextlib import closing
 from dataclasses import asdict, dataclass
 
 from mgs.core.config import build
@@ -20,6 +19,7 @@ from mgs.core.errors import ConfigError, DivergenceError, InfeasibleGaitError
 from mgs.core.progress import Progress
 from mgs.gait import ComParameters, IkParameters, WalkGait, WalkParameters
 from mgs.judge.motion_checks import Check, check_motion
+from mgs.judge.processes import in_order
 from mgs.judge.verdict import replay_checks
 from mgs.motion_planner.phases import MIN_SAMPLES
 from mgs.pipeline import run_stages
@@ -190,28 +190,17 @@ def find_envelope(
         return Envelope(gait, leg_length(robot), engines, servo, resolution, tuple(probes))
 
     jobs = [(robot, gait, step_time, resolution, engines, servo) for step_time in times]
-    for done, column in enumerate(_map(_column, jobs, workers), start=1):
-        probes += column
-        if keep is not None:
-            keep(envelope())
-        if progress is not None:
-            progress(done, len(times))
+    with closing(in_order(_column, jobs, len(jobs), workers)) as columns:
+        for done, column in enumerate(columns, start=1):
+            probes += column
+            if keep is not None:
+                keep(envelope())
+            if progress is not None:
+                progress(done, len(times))
     return envelope()
 
 
 Job = tuple[Robot, WalkGait, float, float, tuple[EngineName, ...], ServoName]
-
-
-def _map(
-    work: Callable[[Job], list[Probe]], jobs: list[Job], workers: int
-) -> Iterable[list[Probe]]:
-    if workers == 1 or len(jobs) < 2:
-        yield from map(work, jobs)
-        return
-    context = multiprocessing.get_context("spawn")  # physics engines do not work after a fork
-    with concurrent.futures.ProcessPoolExecutor(min(workers, len(jobs)), context) as pool:
-        for done in concurrent.futures.as_completed([pool.submit(work, job) for job in jobs]):
-            yield done.result()
 
 
 def _check_time(gait: WalkGait, step_time: float) -> None:
@@ -222,9 +211,9 @@ def _check_time(gait: WalkGait, step_time: float) -> None:
         )
 
 
-def _column(job: Job) -> list[Probe]:
+def _column(jobs: list[Job], number: int) -> list[Probe]:
     """Probes of one step time, by bisection between zero and the leg length."""
-    robot, gait, step_time, resolution, engines, servo = job
+    robot, gait, step_time, resolution, engines, servo = jobs[number]
     probes: list[Probe] = []
     low, high = 0, max(2, math.ceil(min(leg_length(robot), 1.0) / resolution))
     while high - low > 1:

@@ -10,6 +10,7 @@ from typing import Protocol
 from mgs.core.arrays import Array
 from mgs.core.engines import available_engines, missing_engines
 from mgs.core.errors import SimulationError
+from mgs.core.foreign import told_as
 from mgs.core.scene import EMPTY, Scene
 from mgs.robot import Robot
 from mgs.sim.audit import EngineModel, audit
@@ -94,16 +95,18 @@ def make_engine(
     Of `conditions` floor and servo gains are the engine's part; the robot is given as disturbed.
 
     Raises:
-        SimulationError: the engine is unknown or not installed, or the models differ.
+        SimulationError: the engine is unknown or not installed, refuses the robot, or has loaded
+            another one.
     """
     require(name)
-    engine = _load(name, robot, settings, servo, conditions, scene)
-    try:
-        audit(engine, robot, name)
-    except SimulationError:
-        engine.close()
-        raise
-    return engine
+    with told_as(lambda what: SimulationError(f"{name} cannot load {robot.spec.name}: {what}")):
+        engine = _load(name, robot, settings, servo, conditions, scene)
+        try:
+            audit(engine, robot, name)
+        except BaseException:
+            engine.close()
+            raise
+        return engine
 
 
 def require(name: EngineName) -> None:

@@ -1,11 +1,10 @@
 """The robot as physics engines get it: a plain URDF written from Pinocchio's model.
 
 Written anew rather than passed on, because importers stumble over what robots' URDFs contain:
-frame-only links (PyBullet makes them 1 kg), fixed joints (PyBullet's own merging shifts the CoM)
-and mesh files. Pinocchio has merged fixed links already, so one link is left per moving joint,
-named after the joint that moves it. Contact shapes: of the feet the sole rectangle of robot.yaml as
-a flat box, of all other links their primitive shapes; meshes are left out and fall through the
-ground.
+frame-only links (PyBullet makes them 1 kg), fixed joints (PyBullet's own merging shifts the CoM),
+mesh files and names: engines reserve some, such as `world`. Pinocchio has merged fixed links
+already, so one link is left per moving joint; links and joints are numbered. Contact shapes: of the
+feet the sole rectangle of robot.yaml as a flat box, of all other links their primitive shapes.
 """
 
 from __future__ import annotations
@@ -29,24 +28,29 @@ def simulation_urdf(robot: Robot) -> str:
     root = ElementTree.Element("robot", name=robot.spec.name)
     shapes = _contact_shapes(robot)
     for joint in range(1, robot.model.njoints):
-        add_link(root, link_name(robot, joint), robot.model.inertias[joint], shapes[joint])
+        add_link(root, link_name(joint), robot.model.inertias[joint], shapes[joint])
     for i in range(robot.n):
         _add_joint(root, robot, i)
     ElementTree.indent(root)  # PyBullet reads by lines and spoils those beyond 8 kB
     return ElementTree.tostring(root, encoding="unicode")
 
 
-def link_name(robot: Robot, joint: int) -> str:
+def link_name(joint: int) -> str:
     """Name in the simulation URDF of the link that Pinocchio's joint `joint` moves."""
-    return BASE_LINK if joint == 1 else str(robot.model.names[joint])
+    return BASE_LINK if joint == 1 else f"link_{joint - 2}"
+
+
+def joint_names(robot: Robot) -> list[str]:
+    """Names in the simulation URDF of the joints, in the order of `Robot.joint_names`."""
+    return [f"joint_{i}" for i in range(robot.n)]
 
 
 def _add_joint(root: ElementTree.Element, robot: Robot, i: int) -> None:
     model, joint = robot.model, i + 2
-    links = link_name(robot, model.parents[joint]), link_name(robot, joint)
+    links = link_name(model.parents[joint]), link_name(joint)
     limits = (robot.lower[i], robot.upper[i], robot.torque_limit[i], robot.speed_limit[i])
     placement, axis = model.jointPlacements[joint], joint_axis(model, joint)
-    add_revolute(root, robot.joint_names[i], links, placement, axis, limits)
+    add_revolute(root, joint_names(robot)[i], links, placement, axis, limits)
 
 
 def _contact_shapes(robot: Robot) -> list[list[Shape]]:

@@ -14,7 +14,7 @@ from mgs.robot import Robot
 from mgs.sim.audit import EngineModel
 from mgs.sim.conditions import Conditions, bumps, gravity_on_slope
 from mgs.sim.far_shapes import FarShapes
-from mgs.sim.model import link_name, simulation_urdf
+from mgs.sim.model import joint_names, link_name, simulation_urdf
 from mgs.sim.mujoco_servos import (
     add_servos,
     friction_torques,
@@ -57,9 +57,9 @@ class MujocoEngine:
         mujoco.set_mju_user_warning(lambda _: None)
         self._model = self._compile()
         self._data = mujoco.MjData(self._model)
-        self._angles = np.array([self._model.joint(name).qposadr[0] for name in robot.joint_names])
+        self._angles = np.array([self._model.joint(name).qposadr[0] for name in joint_names(robot)])
         self._bodies = [
-            self._model.body(link_name(robot, joint)).id for joint in range(1, robot.model.njoints)
+            self._model.body(link_name(joint)).id for joint in range(1, robot.model.njoints)
         ]
         self._xyz_xyzw_joints = np.array([0, 1, 2, 4, 5, 6, 3, *self._angles])
         self._warnings = self._data.warning
@@ -183,11 +183,15 @@ class MujocoEngine:
         mj.mj_kinematics(model, data)
         mj.mj_comPos(model, data)
         mj.mj_crb(model, data)
-        hinges = [model.joint(name) for name in self._robot.joint_names]
+        robot = self._robot
+        hinges = {
+            name: model.joint(own)
+            for name, own in zip(robot.joint_names, joint_names(robot), strict=True)
+        }
         stall = {model.actuator(i).name: model.actuator_forcerange[i, 1] for i in range(model.nu)}
         quats = data.xquat[self._bodies][:, XYZW_FROM_WXYZ]
         return EngineModel(
-            joints={h.name: (*h.range, stall[h.name]) for h in hinges},
+            joints={name: (*h.range, stall[h.name]) for name, h in hinges.items()},
             mass=float(model.body_subtreemass[self._bodies[0]]),
             com=data.subtree_com[self._bodies[0]].copy(),
             inertia=self._inertia(),

@@ -19,6 +19,7 @@ import numpy as np
 
 from mgs.core.arrays import Array
 from mgs.robot import Robot
+from mgs.sim.model import joint_names
 from mgs.sim.servo import AT_LIMIT, Driven
 from mgs.sim.settings import ServoName, Settings
 
@@ -40,13 +41,13 @@ def add_servos(spec: Any, robot: Robot, settings: Settings, servo: ServoName, ga
     kp = _stiffness(robot, settings, servo) * gain
     # MuJoCo's contacts give way in proportion to 1 / inertia: feet without rotor inertia creep
     armature = np.where(robot.armature > 0.0, robot.armature, stall / ROTOR_ACCELERATION)
-    for i, name in enumerate(robot.joint_names):
+    for i, name in enumerate(joint_names(robot)):
         spec.joint(name).armature = float(armature[i])
         actuator = _add_actuator(spec, name, name)
         actuator.forcelimited, actuator.forcerange = True, [-stall[i], stall[i]]
         actuator.gainprm[0] = kp[i]
         actuator.biasprm[:3] = [0.0, -kp[i], -kp[i] * settings.damping]
-    for i, name in enumerate(robot.joint_names if servo == "pd" else ()):
+    for i, name in enumerate(joint_names(robot) if servo == "pd" else ()):
         joint = spec.joint(name)
         joint.actfrclimited, joint.actfrcrange = True, [-stall[i], stall[i]]
         _add_actuator(spec, name, f"{name} back-EMF")

@@ -19,7 +19,7 @@ from mgs.core.scene import EMPTY, Scene
 from mgs.robot import Robot
 from mgs.sim.audit import EngineModel
 from mgs.sim.conditions import Conditions, bumps, gravity_on_slope
-from mgs.sim.model import simulation_urdf
+from mgs.sim.model import joint_names, simulation_urdf
 from mgs.sim.pybullet_scene import BASE, add_balls, add_ground
 from mgs.sim.servo import Driven, DryFriction, JointState, with_friction
 from mgs.sim.settings import ServoName, Settings
@@ -229,8 +229,9 @@ class PybulletEngine:
         base_com = p.getBasePositionAndOrientation(body, client)[0]
         coms = np.array([base_com, *(state[0] for state in states)])
         infos = [p.getJointInfo(body, joint, client) for joint in self._joints]
+        own = dict(zip(joint_names(self._robot), self._robot.joint_names, strict=True))
         return EngineModel(
-            joints={info[1].decode(): (info[8], info[9], info[10]) for info in infos},
+            joints={own[info[1].decode()]: (info[8], info[9], info[10]) for info in infos},
             mass=float(mass),
             com=masses @ coms / masses.sum(),
             inertia=self._inertia(),
@@ -280,7 +281,7 @@ class PybulletEngine:
             p.getJointInfo(self._body, joint, client)[1].decode(): joint
             for joint in range(p.getNumJoints(self._body, client))
         }
-        return [indices[name] for name in self._robot.joint_names if name in indices]
+        return [indices[name] for name in joint_names(self._robot) if name in indices]
 
     def _quiet_links(self) -> None:
         p, client = self._p, self._client

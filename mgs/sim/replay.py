@@ -20,6 +20,8 @@ from typing import Any
 
 import numpy as np
 
+from mgs.core.errors import SimulationError
+from mgs.core.foreign import told_as
 from mgs.core.progress import Progress
 from mgs.motion import Motion
 from mgs.motion_file import read_motion
@@ -157,7 +159,8 @@ def replay_prepared(
     simulator = make_engine(engine, robot, settings, servo, conditions, motion.scene)
     try:
         version = simulator.version
-        recording = play(prepared, simulator, servos, conditions, progress, with_contacts)
+        with told_as(lambda what: SimulationError(f"{engine} has failed: {what}")):
+            recording = play(prepared, simulator, servos, conditions, progress, with_contacts)
     finally:
         simulator.close()
     figures = figures_of(motion, recording)

@@ -10,8 +10,10 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mgs.core.config import MAX_BYTES, MAX_DEPTH, parse_yaml, read_assignment
+from mgs.core.config import read_assignment
 from mgs.core.errors import ConfigError, InputError, MgsError
+from mgs.core.limits import MAX_FILE, MAX_NESTING
+from mgs.core.yaml_text import parse_yaml
 from mgs.gait import GAITS, BalanceGait, Gait, WalkGait, load_gait, parse_gait
 
 WALK = "mgs: 1\nmotion: walk\nwalk: {n_steps: 4}\n"
@@ -38,10 +40,10 @@ def refusal(text: str, *assignments: str) -> str:
         ("step_length: .inf", "found inf"),
         ("step_length: 1e999", "found inf"),
         ("step_length: true", "found True"),
-        ("step_length: yes", "found True"),
+        ("step_length: yes", "found 'yes'"),
         ('step_length: "0.05"', "found '0.05'"),
         ("step_length: [0.05]", "found [0.05]"),
-        ("step_length: 2020-01-01", "found datetime"),
+        ("step_length: 2020-01-01", "found '2020-01-01'"),
         ("step_length: null", "found None"),
         ("step_length: 1.01", "less than or equal to 1 [m], found 1.01"),
         ("step_height: 0", "greater than 0 [m], found 0"),
@@ -76,10 +78,10 @@ def test_a_range_is_told_with_the_unit_of_the_key(line: str, message: str):
 
 def test_a_decimal_comma_is_refused():
     assert "walk.step_length: " in refusal("mgs: 1\nmotion: walk\nwalk:\n  step_length: 0,05")
-    assert "walk.5: " in refusal("mgs: 1\nmotion: walk\nwalk: {n_steps: 2, step_length: 0,05}")
+    assert "walk.05: " in refusal("mgs: 1\nmotion: walk\nwalk: {n_steps: 2, step_length: 0,05}")
 
 
-@pytest.mark.parametrize("value", ["3.0", '"3"', "true", "0", "-1", "20001", f"1{':0' * 4000}"])
+@pytest.mark.parametrize("value", ["3.5", '"3"', "true", "0", "-1", "20001", "1e300"])
 def test_a_count_is_a_whole_number_in_its_range(value: str):
     assert "walk.n_steps: " in refusal(f"mgs: 1\nmotion: walk\nwalk: {{n_steps: {value}}}")
 
@@ -281,7 +283,7 @@ def test_a_billion_laughs_are_refused_before_they_fill_memory():
 
 @pytest.mark.parametrize("text", ["[" * 100_000, "{a: " * 50_000, "- " * 50_000, "? " * 50_000])
 def test_deep_nesting_is_refused_without_recursion(text: str):
-    assert f"deeper than {MAX_DEPTH} levels" in refusal(text)
+    assert f"deeper than {MAX_NESTING} levels" in refusal(text)
 
 
 @pytest.mark.parametrize("data", [b"\xff\xfe\x00\x01", b"\x89MCAP0\r\n\x00", bytes(range(256)) * 9])
@@ -295,12 +297,12 @@ def test_a_binary_file_is_refused(tmp_path: Path, data: bytes):
 def test_a_huge_file_is_refused_unread(tmp_path: Path):
     path = tmp_path / "gait.yaml"
     with path.open("wb") as stream:
-        stream.truncate(50 * MAX_BYTES)
+        stream.truncate(50 * MAX_FILE)
     tracemalloc.start()
     try:
         with pytest.raises(ConfigError, match="larger than 1000 kB"):
             load_gait(path)
-        assert tracemalloc.get_traced_memory()[1] < 5 * MAX_BYTES
+        assert tracemalloc.get_traced_memory()[1] < 5 * MAX_FILE
     finally:
         tracemalloc.stop()
 

@@ -11,6 +11,7 @@ from hypothesis import given
 from pydantic import ValidationError
 
 from mgs.core.errors import ConfigError
+from mgs.core.limits import MAX_SAMPLES
 from mgs.core.shipped import shipped_folder
 from mgs.gait import (
     BalanceGait,
@@ -20,7 +21,6 @@ from mgs.gait import (
     load_gait,
     parse_gait,
 )
-from mgs.gait.kinds import MAX_SAMPLES
 from tests.support.strategies import (
     balance_gait,
     balances,

@@ -28,8 +28,8 @@ from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, IndexType
 
 from mgs.core.errors import MotionFileError
+from mgs.core.limits import MAX_RECORD
 from mgs.motion_file import motion_bytes, read_info, read_motion
-from mgs.motion_file.mcap_records import MAX_SIZE
 from mgs.robot import load_robot
 from tests.support.crooked import crooked_robot
 from tests.support.motion_files import ARRAYS, SIDED, assert_same, random_motion
@@ -354,7 +354,7 @@ BOMB = 1 << 26  # [bytes] of zeros behind every chunk
         ("lz4", lambda data: lz4.frame.compress(data, store_size=False)),
     ],
 )
-@pytest.mark.parametrize("declared", [1000, MAX_SIZE + 1, 1 << 62])
+@pytest.mark.parametrize("declared", [1000, MAX_RECORD + 1, 1 << 62])
 def test_a_chunk_larger_than_it_declares_or_than_fits_takes_no_memory(
     compression: str, pack: Callable[[bytes], bytes], declared: int, tmp_path: Path
 ) -> None:

@@ -497,7 +497,7 @@ def test_without_locked_joints_the_urdf_stays_as_it_was(melson: Robot):
         (
             "</robot>",
             "<a>" * 9000 + "</a>" * 9000 + "</robot>",
-            "robot.urdf: cannot read it as a URDF: nested too deeply",
+            "robot.urdf: cannot read it as a URDF: nested too deeply, more than 50 levels",
         ),
     ],
 )

@@ -23,6 +23,7 @@ def run(*arguments: object) -> Result:
     result = CliRunner().invoke(main, [str(argument) for argument in arguments])
     if result.exception is not None and not isinstance(result.exception, SystemExit):
         raise result.exception
+    assert "unforeseen error" not in result.stderr, result.stderr
     return result
 
 

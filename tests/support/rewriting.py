@@ -26,6 +26,7 @@ def rewritten(
     order: Order = list,
     library: str | None = None,
     extras_last: bool = False,
+    change: Callable[[Any], None] = lambda record: None,
     **options: Any,
 ) -> bytes:
     """The content of another file with the same records.
@@ -35,9 +36,12 @@ def rewritten(
         order: puts the messages in another order.
         library: name of the writing program; None: the one in the file.
         extras_last: metadata and attachments come after the messages, not before.
+        change: called with every record, which it may change.
         options: of the writer.
     """
     records = list(StreamReader(io.BytesIO(content)).records)
+    for record in records:
+        change(record)
     stream = io.BytesIO()
     writer = Writer(stream, **options)
     (header,) = (r for r in records if isinstance(r, Header))

@@ -7,8 +7,7 @@ from typing import Any
 from urllib.parse import quote
 
 import mgs
-from mgs.core.atomic_files import replace_file
-from mgs.core.errors import OutputExistsError
+from mgs.core.atomic_files import refuse_taken, replace_file
 from mgs.core.progress import StepProgress
 from mgs.library.manifest import Value
 from mgs.library.query import Table, query, report
@@ -69,8 +68,7 @@ def write_library_page(
         InputError: the folder contains no library.
         OutputExistsError: the file exists and `force` is False.
     """
-    if output.is_dir() or (output.exists() and not force):
-        raise OutputExistsError(output)
+    refuse_taken(output, force)
     summary = report(folder)
     table = query(folder, order="speed", reverse=True)
     place = {name: i for i, name in enumerate(table.columns)}

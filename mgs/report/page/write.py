@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import mgs
-from mgs.core.atomic_files import replace_file
-from mgs.core.errors import ConfigError, OutputExistsError
+from mgs.core.atomic_files import refuse_taken, replace_file
+from mgs.core.errors import ConfigError
 from mgs.core.progress import StepProgress, progress_of_step
 from mgs.judge.motion_checks import check_motion
 from mgs.judge.verdict import Verdict, judge
@@ -81,8 +81,7 @@ def write_page(
         )
     if options.meshes is not None and not options.meshes.is_dir():
         raise ConfigError("--meshes", f"{options.meshes} is not a folder")
-    if output.is_dir() or (output.exists() and not force):
-        raise OutputExistsError(output)
+    refuse_taken(output, force)
     most = MOST_SAMPLES // len(motions)
     shown = [motion_content(motion, options, most, progress) for motion in motions]
     contents = [content for content, _ in shown]

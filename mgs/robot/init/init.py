@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from mgs.core.atomic_files import replace_file
+from mgs.core.atomic_files import refuse_taken, replace_files
 from mgs.core.contact import Side
-from mgs.core.errors import ConfigError, OutputExistsError
+from mgs.core.errors import ConfigError
+from mgs.core.foreign import told_as
 from mgs.robot.build import build_robot
 from mgs.robot.init.anatomy import Anatomy, find_anatomy
 from mgs.robot.init.bodies import clean_shapes, cleaned_urdf, link_names, mended_inertias
@@ -55,6 +56,12 @@ def init_robot(
     Raises:
         ConfigError: the file is not the URDF of a robot that stands on two soles; with the reason.
     """
+    with told_as(lambda what: ConfigError(urdf, f"no robot can be made of this URDF: {what}")):
+        return _drafted(urdf, name, package_paths)
+
+
+def _drafted(urdf: Path, name: str | None, package_paths: tuple[Path, ...]) -> DraftFolder:
+    """The draft; see `init_robot`."""
     source, skeleton = _read(urdf, package_paths)
     anatomy = find_anatomy(skeleton, source)
     soles = _soles(skeleton, anatomy, source)
@@ -106,14 +113,12 @@ def write_robot(draft: DraftFolder, folder: Path, force: bool = False) -> None:
 
     Raises:
         OutputExistsError: one of the files exists and `force` is False.
-        MgsError: the folder cannot be written.
+        MgsError: the folder cannot be written, or holds a link or a device of one of these names.
     """
     files = {"robot.urdf": draft.urdf, "README.md": draft.readme, "robot.yaml": draft.yaml}
     for name in files:
-        if (folder / name).exists() and not force:
-            raise OutputExistsError(folder / name)
-    for name, text in files.items():
-        replace_file(folder / name, text.encode())
+        refuse_taken(folder / name, force)
+    replace_files(folder, {name: text.encode() for name, text in files.items()})
 
 
 def _read(urdf: Path, package_paths: tuple[Path, ...]) -> tuple[Source, Skeleton]:

@@ -2,7 +2,8 @@
 
 A mesh has a plain path or a name that starts with file://, package:// or model://. The latter two
 continue with the name of a package, which is searched in the given folders, in the folders of
-ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and in every folder above the URDF.
+ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and in every folder above the URDF. A path may lead to the
+folder of the URDF, to the ROS package that holds it and to these folders, and nowhere else.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ import pinocchio as pin
 
 from mgs.core.arrays import Array
 from mgs.core.errors import ConfigError
+from mgs.core.input_files import is_file, is_inside
+from mgs.core.limits import MAX_MESH
 from mgs.robot.urdf_text import Shape, numbers
 
 MOST_POINTS = 20_000  # largest number of points of a mesh that are used
@@ -82,6 +85,9 @@ class Surfaces:
         if path is None:
             self.missing.append(name)
             return None
+        if path.stat().st_size > MAX_MESH:
+            self.missing.append(f"{name} (larger than {MAX_MESH // 10**6} MB)")
+            return None
         if (path, scale) not in self._meshes:
             try:
                 model = coal.MeshLoader(coal.BV_OBBRSS).load(str(path), np.array(_three(scale)))
@@ -101,24 +107,25 @@ def find_mesh(name: str, urdf: Path, package_paths: tuple[Path, ...]) -> Path | 
     kind, _, rest = name.partition("://")
     if not rest:
         kind, rest = "file", name
-    if kind == "file":
-        path = urdf.parent / rest
-        return path if path.is_file() else None
-    package, _, inside = rest.partition("/")
     listed = os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep)
     prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
-    folders = [
+    known = [
         *package_paths,
         *(Path(folder) for folder in listed if folder),
         *(Path(folder) / "share" for folder in prefixes if folder),
-        *urdf.parents,
     ]
-    for folder in folders:
-        candidates = [folder / package / inside]
+    if kind == "file":
+        path = urdf.parent / rest
+        own = next((p for p in urdf.parents if (p / "package.xml").is_file()), urdf.parent)
+        return path if is_file(path) and is_inside(path, (urdf.parent, own, *known)) else None
+    package, _, inside = rest.partition("/")
+    for folder in (*known, *urdf.parents):
+        roots = [folder / package]
         if folder.name == package or folder in package_paths:
-            candidates.append(folder / inside)
-        for path in candidates:
-            if path.is_file():
+            roots.append(folder)
+        for root in roots:
+            path = root / inside
+            if is_file(path) and is_inside(path, (root, *known)):
                 return path
     return None
 

@@ -11,10 +11,10 @@ import pinocchio as pin
 
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ
-from mgs.core.errors import ConfigError
 from mgs.robot.init.points import Surface, Surfaces
 from mgs.robot.init.source import Source
 from mgs.robot.limbs import joints_to
+from mgs.robot.pinocchio_urdf import call_parser
 
 BASE = 1  # Pinocchio id of the floating-base joint and of its body
 
@@ -72,11 +72,9 @@ def build_skeleton(source: Source, package_paths: tuple[Path, ...]) -> Skeleton:
         ConfigError: Pinocchio cannot read the URDF.
     """
     text = ElementTree.tostring(source.root, encoding="unicode")
-    try:
-        model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer())
-    except (RuntimeError, ValueError, ArithmeticError) as error:
-        reason = " ".join(str(error).split())
-        raise ConfigError(source.path, f"Pinocchio cannot read it as a URDF: {reason}") from error
+    model = call_parser(
+        lambda: pin.buildModelFromXML(text, pin.JointModelFreeFlyer()), str(source.path)
+    )
     reader = Surfaces(source.path, source.root, package_paths)
     links: list[list[str]] = [[] for _ in range(model.njoints)]
     surfaces: list[list[tuple[str, pin.SE3, Surface]]] = [[] for _ in range(model.njoints)]

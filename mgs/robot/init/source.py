@@ -14,10 +14,12 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from mgs.core.errors import ConfigError
+from mgs.core.input_files import read_bytes
+from mgs.core.limits import MAX_URDF
+from mgs.robot.urdf_bounds import parse_bounded
 from mgs.robot.urdf_checks import PARTS, is_empty, malformed
 from mgs.robot.urdf_lock import fix_joint
 
-MAX_BYTES = 20_000_000
 LEAST_RANGE = 0.05  # [rad] joints with a smaller range are fixed: they serve no motion, and the
 # joint-limit gradient of the closed-loop IK, which grows with 1 / range^2, would be too stiff
 WIDEST = 2.0 * math.pi  # [rad] joints with a larger limit are treated as continuous
@@ -67,15 +69,8 @@ def read_source(path: Path) -> Source:
 
 def _parse(path: Path) -> tuple[ElementTree.Element, str]:
     """Root element and text of a file."""
-    try:
-        if path.stat().st_size > MAX_BYTES:
-            raise ConfigError(path, f"larger than {MAX_BYTES // 10**6} MB, probably not a URDF")
-        content = path.read_bytes()
-        root = ElementTree.fromstring(content)
-    except OSError as error:
-        raise ConfigError(path, (error.strerror or str(error)).lower()) from error
-    except (ElementTree.ParseError, ValueError, LookupError) as error:
-        raise ConfigError(path, f"cannot read it as a URDF: not valid XML: {error}") from error
+    content = read_bytes(path, MAX_URDF, "a URDF")
+    root = parse_bounded(content, str(path))
     if root.tag == "sdf":
         raise ConfigError(path, _why_not_sdf(root))
     if root.tag != "robot":

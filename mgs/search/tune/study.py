@@ -11,12 +11,9 @@ from __future__ import annotations
 import concurrent.futures
 import hashlib
 import json
-import multiprocessing
-import signal
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,6 +22,7 @@ import numpy as np
 
 import mgs
 from mgs.core.errors import InputError, MgsError
+from mgs.judge.processes import result_of, worker_pool
 from mgs.search.tune.evaluate import Found, TuneTask, evaluate
 from mgs.search.tune.space import Parameter, Value
 
@@ -110,7 +108,7 @@ def search(
         return not enough and not late
 
     try:
-        with _pool(task, workers) as submit:
+        with worker_pool(_judge, task, workers) as submit:
             while running or more():
                 while more() and len(running) < workers:
                     trial = study.ask(space)
@@ -118,7 +116,7 @@ def search(
                     running[submit(dict(trial.params), score)] = trial
                 ended, _ = concurrent.futures.wait(running, return_when="FIRST_COMPLETED")
                 for future in ended:
-                    trial, (found, seconds) = running.pop(future), future.result()
+                    trial, (found, seconds) = running.pop(future), result_of(future)
                     trial.set_user_attr(FOUND, {**vars(found), "seconds": seconds})
                     study.tell(trial, found.score)
                     done.append(Trial(trial.number, dict(trial.params), found, seconds))
@@ -256,50 +254,7 @@ def _importance(optuna: Any, study: Any) -> dict[str, float]:
     return dict(optuna.importance.get_param_importances(study, evaluator=evaluator))
 
 
-Submit = Callable[[dict[str, Value], float], "concurrent.futures.Future[tuple[Found, float]]"]
-
-
-@contextmanager
-def _pool(task: TuneTask, workers: int) -> Iterator[Submit]:
-    """Function that judges walks: here if there is one worker, else in processes."""
-    if workers == 1:
-        _adopt(task)
-
-        def here(
-            values: dict[str, Value], best: float
-        ) -> concurrent.futures.Future[tuple[Found, float]]:
-            future: concurrent.futures.Future[tuple[Found, float]] = concurrent.futures.Future()
-            future.set_result(_judge(values, best))
-            return future
-
-        yield here
-        return
-    context = multiprocessing.get_context("spawn")  # engines do not survive a fork
-    others = set(multiprocessing.active_children())
-    pool = concurrent.futures.ProcessPoolExecutor(workers, context, _start, (task,))
-    try:
-        yield lambda values, best: pool.submit(_judge, values, best)
-    except BaseException:  # Ctrl-C: a walk may take a minute
-        for process in set(multiprocessing.active_children()) - others:
-            process.terminate()
-        raise
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
-
-
-_adopted: list[TuneTask] = []  # of a process that this module started
-
-
-def _start(task: TuneTask) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that keeps the journal
-    _adopt(task)
-
-
-def _adopt(task: TuneTask) -> None:
-    _adopted[:] = [task]
-
-
-def _judge(values: dict[str, Value], best: float) -> tuple[Found, float]:
+def _judge(task: TuneTask, values: dict[str, Value], best: float) -> tuple[Found, float]:
     started = time.perf_counter()
-    found = evaluate(_adopted[0], values, best)
+    found = evaluate(task, values, best)
     return found, time.perf_counter() - started
