@@ -103,7 +103,8 @@ def entry(name: str) -> Entry:
             fates.append("pass" if not bad else f"FAIL: {', '.join(bad)}")
         physics.append(" / ".join(fates))
     picture = f"{name.replace('/', '-')}.png"
-    write_picture(motion, DOCS / "gallery" / picture, force=True)
+    verdict = f"fails {', '.join(failed)}" if failed else "static checks pass"
+    write_picture(motion, DOCS / "gallery" / picture, force=True, verdict=verdict)
     cells = [
         name,
         motion.robot.spec.name,
