@@ -145,10 +145,12 @@ class TimePlot extends Plot {
 
   findRange() {
     let low = Infinity, high = -Infinity;
-    for (const line of this.lines) {
-      for (const value of line.values) {
-        if (value < low) low = value;
-        if (value > high) high = value;
+    const { from, to } = this.frame;
+    for (const { times, values } of this.lines) {
+      for (let i = 0; i < times.length; i++) {
+        if (times[i] < from - 0.5 || times[i] > to + 0.5) continue; // out of sight
+        if (values[i] < low) low = values[i];
+        if (values[i] > high) high = values[i];
       }
     }
     if (low > high) return [-1, 1];
