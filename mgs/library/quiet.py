@@ -7,4 +7,5 @@ import dask
 
 def silence() -> None:
     """Switch off all log messages of Dask; call it before `distributed` is imported."""
-    dask.config.set({"logging": {"distributed": "critical", "distributed.nanny": "critical"}})
+    names = ("distributed", "distributed.nanny", "asyncio", "tornado", "tornado.application")
+    dask.config.set({"logging": dict.fromkeys(names, "critical")})

@@ -50,7 +50,6 @@ def test_the_best_walk_is_written_with_a_page_and_a_picture(tmp_path: Path):
     assert set(told) == {
         "json_version",
         "file", "objective", "robot", "trials", "seconds", "best", "importance", "before", "after",
-        "json_version",
     }  # fmt: skip
     gait = load_gait(path)
     assert isinstance(gait, WalkGait)

@@ -97,14 +97,19 @@ def problem_after(name: str, sent: signal.Signals, delay: float, folder: Path) -
         process.poll()
         time.sleep(0.05)
     left = marked(token)
-    for other in left:
+    named = ", ".join(" ".join(other.cmdline())[-60:] for other in left)
+    until = time.monotonic() + 10.0
+    while marked(token) and time.monotonic() < until:
+        time.sleep(0.1)
+    late = time.monotonic() - until + 10.0 + GRACE
+    for other in marked(token):
         other.kill()
     _, err = process.communicate(timeout=60)
     if left:
-        return f"{len(left)} processes left"
+        return f"{len(left)} processes left until {late:.1f} s: {named}"
     if b"Traceback" in err:
         return f"traceback: {err.decode(errors='replace')[-300:]}"
-    if sent is not signal.SIGKILL and process.returncode not in (0, 1):
+    if sent is not signal.SIGKILL and process.returncode not in (0, 1, -sent, -signal.SIGINT):
         return f"exit code {process.returncode}"
     return damage(name, folder, sent is signal.SIGKILL)
 
