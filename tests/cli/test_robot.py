@@ -15,7 +15,16 @@ from tests.support.commands import SHORT_WALK, files_below, run
 MELSON = shipped_folder("robots") / "melson"
 YAML = (MELSON / "robot.yaml").read_text()
 URDF = (MELSON / "robot.urdf").read_text()
-FINDINGS = ["inertias", "legs", "symmetry", "limits", "soles_level", "balance", "collisions"]
+FINDINGS = [
+    "inertias",
+    "legs",
+    "symmetry",
+    "limits",
+    "soles_level",
+    "balance",
+    "strength",
+    "collisions",
+]
 
 
 def write_robot(folder: Path, yaml_text: str | bytes = YAML, urdf: str | bytes = URDF) -> Path:
@@ -158,7 +167,7 @@ MALFORMED: dict[str, tuple[str | bytes, str | bytes, str]] = {
     "a limit that is no number": (
         YAML,
         replaced(URDF, r'lower="[^"]*"', 'lower="nan"'),
-        "cannot read it as a URDF",
+        "limit lower = 'nan' is not a number",
     ),
 }
 

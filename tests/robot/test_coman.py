@@ -16,6 +16,7 @@ from numpy.testing import assert_allclose
 
 from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.core.contact import Side
+from mgs.core.errors import ConfigError
 from mgs.core.shipped import shipped_folder
 from mgs.robot import Robot, build_robot, load_robot, midpoint_width
 from mgs.robot.soundness import check_robot
@@ -398,10 +399,16 @@ def test_the_legs_are_built_again_from_their_texts(legs: Robot):
     assert again.model == legs.model
 
 
-def test_the_legs_find_comans_urdf_beside_them(tmp_path: Path, legs: Robot):
-    """The whole folder of robots is copied to another place, as a wheel does."""
-    shutil.copytree(FOLDER.parent, tmp_path / "data" / "robots")
-    assert load_robot(tmp_path / "data" / "robots" / "coman_legs").urdf == legs.urdf
+def test_the_legs_find_comans_urdf_beside_them(
+    tmp_path: Path, legs: Robot, monkeypatch: pytest.MonkeyPatch
+):
+    """The whole folder of shipped robots is in another place, as in a wheel."""
+    robots = tmp_path / "data" / "robots"
+    shutil.copytree(FOLDER.parent, robots)
+    with pytest.raises(ConfigError, match="not in the robot folder"):
+        load_robot(robots / "coman_legs")  # a folder of the user reads no file outside itself
+    monkeypatch.setattr("mgs.robot.load.shipped_folder", lambda _: robots)
+    assert load_robot("coman_legs").urdf == legs.urdf
 
 
 # --- engines ----------------------------------------------------------------------------------
