@@ -28,7 +28,7 @@ import scipy.sparse as sp
 from mgs.com_generator.com_trajectory import ComTrajectory
 from mgs.core.arrays import Array
 from mgs.core.constants import GRAVITY
-from mgs.core.contact import Support
+from mgs.core.contact import Side, Support
 from mgs.core.errors import ConfigError, ZmpMarginError
 from mgs.core.spans import spans
 from mgs.gait import ComParameters
@@ -36,6 +36,7 @@ from mgs.robot import Robot
 from mgs.robot.support_polygon import support_polygon
 from mgs.trajectory_planner import TaskTrajectory
 
+MARGIN = 0.25  # in widths of a sole: half of the way from the edge to the middle
 PRECISION = 1e-10  # of the solver, absolute and relative
 TOLERANCE = 1e-7  # [m] that a solution may miss bounds and equalities by
 LEAST_ADVISED = 2e-4  # [m]; with a narrower margin something else is wrong with the gait
@@ -80,10 +81,11 @@ def bound_zmp(robot: Robot, tasks: TaskTrajectory, parameters: ComParameters) ->
     height, start = tasks.com_height, tasks.zmp_ref[0]
     omega = float(np.sqrt(GRAVITY / height[0]))
     ratio = parameters.weight_jerk / parameters.weight_error
-    problem = _problem(robot, tasks, omega, ratio, parameters.margin)
+    margin = default_margin(robot) if parameters.margin is None else parameters.margin
+    problem = _problem(robot, tasks, omega, ratio, margin)
     x = _solve(problem)
     if x is None:
-        raise _refusal(problem, tasks, parameters)
+        raise _refusal(problem, tasks, parameters, margin)
     c, v, a = x.reshape(len(height), 3, 2).transpose(1, 0, 2)
     speed = np.gradient(height, tasks.dt)
     return ComTrajectory(
@@ -92,6 +94,12 @@ def bound_zmp(robot: Robot, tasks: TaskTrajectory, parameters: ComParameters) ->
         acceleration=np.column_stack([omega**2 * a, np.gradient(speed, tasks.dt)]),
         zmp=start + c - a,
     )
+
+
+def default_margin(robot: Robot) -> float:
+    """Distance of the ZMP from the edge of the support polygon where the gait gives none [m]."""
+    soles = [robot.sole_spec(side) for side in Side]
+    return MARGIN * min(min(sole.length, sole.width) for sole in soles)
 
 
 def support_half_planes(robot: Robot, tasks: TaskTrajectory) -> list[tuple[slice, Array, Array]]:
@@ -164,7 +172,7 @@ def _solve(problem: Qp) -> Array | None:
 
 
 def _refusal(
-    problem: Qp, tasks: TaskTrajectory, parameters: ComParameters
+    problem: Qp, tasks: TaskTrajectory, parameters: ComParameters, margin: float
 ) -> ConfigError | ZmpMarginError:
     """Why there is no solution, from the motion whose ZMP leaves the bounds least."""
     n = problem.P.shape[0]
@@ -188,9 +196,9 @@ def _refusal(
     excess = problem.G @ x[:-1] - problem.h
     row = int(np.argmax(excess > x[-1] - 10.0 * TOLERANCE))
     k = int(problem.G.tocsr()[row].indices.min()) // 6  # six unknowns a sample
-    widest = parameters.margin - float(x[-1])
+    widest = margin - float(x[-1])
     support = Support(tasks.support[k]).label
-    error = ZmpMarginError(k * tasks.dt, support, parameters.margin, widest)
+    error = ZmpMarginError(k * tasks.dt, support, margin, widest)
     if widest > LEAST_ADVISED:
         error.remedy = f"use a com.margin of at most {np.floor(1e4 * widest - 1.0) / 1e4:.4f} m"
     return error

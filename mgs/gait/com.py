@@ -20,11 +20,11 @@ class ComParameters(Model):
     """
 
     generator: GeneratorName = Field(
-        "preview",
-        description="Name of the generator of the centre-of-mass (CoM) motion. preview: preview "
-        "control, which follows the reference of the zero-moment point (ZMP); qp: quadratic "
+        "qp",
+        description="Name of the generator of the centre-of-mass (CoM) motion. qp: quadratic "
         "program, which minimizes CoM jerk and ZMP error and keeps the ZMP inside the support "
-        "polygon, at least `margin` from its edge; any other name: a generator of another "
+        "polygon, at least `margin` from its edge; preview: preview control, which follows the "
+        "reference of the zero-moment point (ZMP); any other name: a generator of another "
         "package.",
     )
     preview: float = Field(
@@ -42,18 +42,19 @@ class ComParameters(Model):
         "the ratio of weight_jerk to weight_error matters.",
     )
     weight_jerk: float = Field(
-        1e-6,
+        1e-4,
         gt=0.0,
         le=1e6,
         description="Weight R of the squared jerk of the centre of mass [s^6/m^2]; its effect "
-        "depends on the sampling period dt.",
+        "depends on the sampling period dt. For the generator preview 1e-8 (stiff) to 1e-6.",
     )
-    margin: float = Field(
-        0.0,
+    margin: float | None = Field(
+        None,
         ge=0.0,
         le=1.0,
         description="Smallest distance of the zero-moment point (ZMP) from the edge of the "
-        "support polygon [m]; for the generator qp only.",
+        "support polygon [m]; for the generator qp only. null: a quarter of the width or length "
+        "of a sole, whichever is less.",
     )
     passes: Whole = Field(
         3,

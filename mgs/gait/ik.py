@@ -283,10 +283,12 @@ class IkParameters(Model):
         "ik5: iterations n, at least 1; null: 15.",
     )
     torso: Literal["free", "upright", "hold"] = Field(
-        "free",
+        "upright",
         description="Orientation of the torso that the solver clik keeps as far as its other "
-        "tasks allow. free: no orientation; upright: z axis of the torso vertical and heading of "
-        "the soles; hold: orientation in the half-sitting posture, turned with the soles.",
+        "tasks allow. upright: z axis of the torso vertical and heading of the soles; hold: "
+        "orientation in the half-sitting posture, turned with the soles; free: no orientation. "
+        "Legs of fewer than six joints keep the pelvis as the soles require; there this key has "
+        "no effect.",
     )
     on_limit: OnLimit = Field(
         "hold",

@@ -49,8 +49,8 @@ class WalkGait(GaitFile):
         return rests + walk.most_steps * (walk.double_support + walk.single_support)
 
     @model_validator(mode="after")
-    def _rests_as_long_as_it_previews(self) -> WalkGait:
-        _require_rests(self.motion, self.walk, self.com)
+    def _comes_to_rest(self) -> WalkGait:
+        _require_rest(self.motion, self.walk, self.com)
         return self
 
     @model_validator(mode="after")
@@ -87,23 +87,25 @@ class KickGait(GaitFile):
         return self
 
     @model_validator(mode="after")
-    def _rests_as_long_as_it_previews(self) -> KickGait:
-        _require_rests(self.motion, self.kick, self.com)
+    def _comes_to_rest(self) -> KickGait:
+        _require_rest(self.motion, self.kick, self.com)
         return self
 
 
 ZmpGait = WalkGait | KickGait  # kinds whose CoM motion follows from the ZMP reference
 
 
-def _require_rests(block: str, given: WalkParameters | KickParameters, com: ComParameters) -> None:
-    for key in ("lead_in", "lead_out"):
-        rest = getattr(given, key)
-        if rest < com.preview:
-            raise ValueError(
-                f"{block}.{key} = {rest:g} s is shorter than the preview window com.preview = "
-                f"{com.preview:g} s, so that the CoM would not be at rest; use a longer "
-                f"{block}.{key}"
-            )
+def _require_rest(block: str, given: WalkParameters | KickParameters, com: ComParameters) -> None:
+    """Refuse a rest in the end in which preview control cannot bring the CoM to a standstill.
+
+    At the start it needs no rest: the reference before the motion is its first value.
+    """
+    if com.generator == "preview" and given.lead_out < com.preview:
+        raise ValueError(
+            f"{block}.lead_out = {given.lead_out:g} s is shorter than the preview window "
+            f"com.preview = {com.preview:g} s, so that the CoM would not come to rest; use a "
+            f"longer {block}.lead_out, or com.generator: qp, which needs no such rest"
+        )
 
 
 class BalanceGait(GaitFile):

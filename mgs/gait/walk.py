@@ -167,8 +167,8 @@ class WalkParameters(Model):
         "not lead to this foot; null: either foot.",
     )
     lead_in: Duration = Field(
-        1.8,
-        description="Duration of rest before the first weight shift [s]; at least com.preview.",
+        0.3,
+        description="Duration of rest before the first weight shift [s].",
     )
     double_support: Duration = Field(
         0.2,
@@ -177,8 +177,9 @@ class WalkParameters(Model):
     )
     single_support: Duration = Field(0.5, description="Duration of each single support phase [s].")
     lead_out: Duration = Field(
-        1.8,
-        description="Duration of rest after the last weight shift [s]; at least com.preview.",
+        0.3,
+        description="Duration of rest after the last weight shift [s]; at least com.preview with "
+        "com.generator: preview.",
     )
     step_height: float = Field(
         0.02,
@@ -195,12 +196,12 @@ class WalkParameters(Model):
         "Steps over boxes have profiles of their own.",
     )
     landing: float = Field(
-        0.0,
+        0.2,
         ge=0.0,
         le=0.5,
         description="Final fraction of each single support phase in which the swing sole, already "
-        "above its footstep, moves down vertically and slowly; useful on uneven ground; 0: no "
-        "such descent.",
+        "above its footstep, moves down vertically and slowly, so that it can meet the ground "
+        "early without harm; 0: no such descent.",
     )
     com_height: float | None = Field(
         None,

@@ -3,8 +3,7 @@
 Walks of robots of different size are alike if lengths are proportional to the leg length L and
 durations to sqrt(L / g): their Froude numbers v^2 / (g L) are equal (R. McN. Alexander, "The gaits
 of bipedal and quadrupedal animals", Int. J. Robotics Research 3(2), 1984). The factors below give a
-slow walk with a Froude number of 0.0007. The ZMP keeps a distance from the edge of the sole that is
-a part of the sole's half width.
+slow walk with a Froude number of 0.0007.
 """
 
 from __future__ import annotations
@@ -13,7 +12,6 @@ import math
 from typing import Any
 
 from mgs.core.constants import GRAVITY
-from mgs.core.contact import Side
 from mgs.gait import ComParameters, SingleGait, WalkGait, WalkParameters
 from mgs.robot import Robot, leg_length
 from mgs.robot.legs import missing_turn
@@ -22,9 +20,6 @@ STEP_LENGTH, STEP_HEIGHT, ZMP_TOLERANCE = 0.12, 0.04, 5e-4  # in leg lengths
 SINGLE_SUPPORT, DOUBLE_SUPPORT = 2.0, 2.4  # in sqrt(L / g)
 QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT = 1.2, 0.5  # of robots that only sway their trunk
 QUICK_PASSES = 8  # passes of the dynamic filter for such robots
-LANDING = 0.2  # last part of a single support, in which the sole comes straight down
-MARGIN = 0.5  # distance of the ZMP from the edge, in half widths of a sole
-REST_AFTER_PREVIEW = 0.2  # rest beyond the preview window [s]
 DIGITS = 4  # decimal places of derived values
 
 
@@ -45,8 +40,6 @@ def _walk_sizes(gait: WalkGait, robot: Robot) -> dict[str, Any]:
     """Derived values of the block `walk`."""
     length = leg_length(robot)
     time = math.sqrt(length / GRAVITY)
-    usual = WalkParameters.model_fields["lead_in"].default
-    rest = max(usual, gait.com.preview + REST_AFTER_PREVIEW)
     quick = missing_turn(robot) == "roll"
     single = QUICK_SINGLE_SUPPORT if quick else SINGLE_SUPPORT
     double = QUICK_DOUBLE_SUPPORT if quick else DOUBLE_SUPPORT
@@ -55,21 +48,14 @@ def _walk_sizes(gait: WalkGait, robot: Robot) -> dict[str, Any]:
         "step_height": round(STEP_HEIGHT * length, DIGITS),
         "single_support": _whole(single * time, gait.dt),
         "double_support": _whole(double * time, gait.dt),
-        "lead_in": rest,
-        "lead_out": rest,
-        "landing": LANDING,
     }
 
 
 def _com_sizes(robot: Robot) -> dict[str, Any]:
     """Derived values of the block `com`."""
-    width = min(min(robot.sole_spec(s).width, robot.sole_spec(s).length) for s in Side)
     default = ComParameters.model_fields["passes"].default
     return {
-        "generator": "qp",
         "passes": QUICK_PASSES if missing_turn(robot) == "roll" else default,
-        "margin": round(0.5 * MARGIN * width, DIGITS),
-        "weight_jerk": 1e-4,
         "zmp_tolerance": round(ZMP_TOLERANCE * leg_length(robot), 6),
     }
 
