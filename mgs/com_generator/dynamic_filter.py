@@ -4,6 +4,7 @@ Second stage of Kajita et al., "Biped walking pattern generation by using previe
 zero-moment point", ICRA 2003, section 4: the difference between the ZMP that was planned and the
 one that the whole robot would have goes through the same preview controller, and its response is
 added to the CoM. The loop around it, through inverse kinematics and dynamics, is the pipeline's.
+Whatever of the response still moves at the end is brought to rest within the rest of the gait.
 """
 
 from __future__ import annotations
@@ -12,8 +13,9 @@ import numpy as np
 
 from mgs.com_generator.com_trajectory import ComTrajectory
 from mgs.com_generator.generate import FOLLOWS_REFERENCE
-from mgs.com_generator.preview import require_rest, respond
+from mgs.com_generator.preview import respond
 from mgs.core.arrays import Array
+from mgs.core.constants import GRAVITY
 from mgs.core.geometry import quintic
 from mgs.gait import ComParameters
 
@@ -36,21 +38,50 @@ def correct_com(
 
     Raises:
         ConfigError: see `preview_gains`.
-        InfeasibleGaitError: the corrected CoM is not at rest when the motion ends.
     """
     if parameters.generator != FOLLOWS_REFERENCE:
         parameters = parameters.model_copy(update={"weight_error": 1.0, "weight_jerk": STIFF})
     response = respond(rest_window(zmp_ref)[:, None] * error, com.position[:, 2], dt, parameters)
-    position = com.position.copy()
-    position[:, :2] += response.position[:, :2]
-    corrected = ComTrajectory(
-        position=position,
-        velocity=com.velocity + response.velocity * [1.0, 1.0, 0.0],
-        acceleration=com.acceleration + response.acceleration * [1.0, 1.0, 0.0],
-        zmp=com.zmp + response.zmp,
+    ends = _end_state(response, dt * _rest_at_end(zmp_ref), dt)
+    place, speed, acceleration = (part[:, :2] for part in _parts(response))
+    lever = com.position[0, 2] / GRAVITY
+    zeros = np.zeros((len(zmp_ref), 1))
+    return ComTrajectory(
+        position=com.position + np.hstack([place - ends[0], zeros]),
+        velocity=com.velocity + np.hstack([speed - ends[1], zeros]),
+        acceleration=com.acceleration + np.hstack([acceleration - ends[2], zeros]),
+        zmp=com.zmp + response.zmp - (ends[0] - lever * ends[2]),
     )
-    require_rest(corrected, zmp_ref[-1])
-    return corrected
+
+
+def _parts(com: ComTrajectory) -> tuple[Array, Array, Array]:
+    return com.position, com.velocity, com.acceleration
+
+
+def _end_state(response: ComTrajectory, rest: float, dt: float) -> tuple[Array, Array, Array]:
+    """Position, speed and acceleration (N, 2) of what is still moving at the end of a response.
+
+    It is the polynomial of fifth degree that is at rest until the robot rests and has the state of
+    the response at the last sample. Less this polynomial the response ends at rest, however short
+    the rest is; in a long one the preview control has come to rest, and the polynomial is zero.
+    """
+    x, v, a = (part[-1, :2] for part in _parts(response))
+    v, a = rest * v, rest**2 * a  # in the unit `rest` of time
+    cubic, quartic, quintic = (
+        10.0 * x - 4.0 * v + 0.5 * a, -15.0 * x + 7.0 * v - a, 6.0 * x - 3.0 * v + 0.5 * a
+    )  # fmt: skip
+    n = len(response.position)
+    s = np.maximum(1.0 - dt * np.arange(n)[::-1, None] / rest, 0.0)
+    place = s**3 * (cubic + s * (quartic + s * quintic))
+    speed = s**2 * (3.0 * cubic + s * (4.0 * quartic + 5.0 * s * quintic))
+    acceleration = s * (6.0 * cubic + s * (12.0 * quartic + 20.0 * s * quintic))
+    return place, speed / rest, acceleration / rest**2
+
+
+def _rest_at_end(zmp_ref: Array) -> int:
+    """Number of samples after the last motion of the ZMP reference (N, 2), at least 1."""
+    moving = np.flatnonzero(np.any(zmp_ref[1:] != zmp_ref[:-1], axis=1))
+    return max(1, len(zmp_ref) - 1 - (int(moving[-1]) if len(moving) else 0))
 
 
 def rest_window(zmp_ref: Array) -> Array:

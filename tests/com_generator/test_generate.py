@@ -23,7 +23,9 @@ def test_every_generator_moves_the_com_from_rest_to_rest_with_the_zmp_on_the_sol
     melson: Robot, name: str
 ) -> None:
     """Derivatives by central differences, ZMP by the cart-table model, polygon by Qhull."""
-    tasks = plan_trajectories(plan_motion(melson, walk_gait(n_steps=4, step_length=0.04)))
+    tasks = plan_trajectories(
+        plan_motion(melson, walk_gait(n_steps=4, step_length=0.04, lead_out=1.8))
+    )
     com = generate_com(melson, tasks, ComParameters(generator=name))
     xy, dt = com.position[:, :2], tasks.dt
     assert_allclose(com.position[:, 2], tasks.com_height, rtol=0, atol=1e-12)

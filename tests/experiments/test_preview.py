@@ -29,7 +29,7 @@ from mgs.experiments.variant import Variant
 from mgs.gait import ComParameters
 
 Array = NDArray[np.float64]
-SERVO = Servo(dt=0.01, com_height=0.27, parameters=ComParameters())
+SERVO = Servo(dt=0.01, com_height=0.27, parameters=ComParameters(weight_jerk=1e-6))
 STIFFER = dataclasses.replace(SERVO, parameters=ComParameters(weight_jerk=STIFF))
 
 

@@ -121,13 +121,13 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
             "step_width": None,
             "first_support": None,
             "last_support": None,
-            "lead_in": 1.8,
+            "lead_in": 0.3,
             "double_support": 0.2,
             "single_support": 0.5,
-            "lead_out": 1.8,
+            "lead_out": 0.3,
             "step_height": 0.02,
-            "swing_profile": "minimum_jerk",
-            "landing": 0.0,
+            "swing_profile": "quintic",
+            "landing": 0.2,
             "com_height": None,
             "com_tolerance": 2e-4,
             "zmp_offset": [0.0, 0.0],
@@ -137,11 +137,11 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
             "clearance": 0.005,
         },
         "com": {
-            "generator": "preview",
+            "generator": "qp",
             "preview": 1.6,
             "weight_error": 1.0,
-            "weight_jerk": 1e-6,
-            "margin": 0.0,
+            "weight_jerk": 1e-4,
+            "margin": None,
             "passes": 3,
             "zmp_tolerance": 2e-4,
             "parameters": {},
@@ -153,7 +153,7 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
             "gamma_grav_ramp": 0.2,
             "double_support": "shared",
             "iterations": None,
-            "torso": "free",
+            "torso": "upright",
             "on_limit": "hold",
             "faraji": {
                 "hard": ["soles", "torso", "hands"],
@@ -256,17 +256,17 @@ def refusal(**blocks: object) -> str:
     return str(caught.value)
 
 
-@pytest.mark.parametrize("key", ["lead_in", "lead_out"])
-def test_a_rest_shorter_than_the_preview_is_refused(key: str):
-    message = refusal(walk={"n_steps": 2, key: 1.0})
-    assert f"walk.{key} = 1 s is shorter than the preview window com.preview = 1.6 s" in message
-    rests = {"lead_in": 9.0, "lead_out": 9.0, key: 8.0}
-    message = refusal(com={"preview": 8.01}, walk={"n_steps": 2, **rests})
-    assert f"walk.{key} = 8 s is shorter" in message
+def test_preview_control_is_refused_a_rest_at_the_end_shorter_than_its_window():
+    message = refusal(com={"generator": "preview"}, walk={"n_steps": 2, "lead_out": 1.0})
+    assert "walk.lead_out = 1 s is shorter than the preview window com.preview = 1.6 s" in message
+    com = {"generator": "preview", "preview": 8.01}
+    message = refusal(com=com, walk={"n_steps": 2, "lead_out": 8.0})
+    assert "walk.lead_out = 8 s is shorter" in message
 
 
-def test_a_rest_as_long_as_the_preview_is_enough():
-    gait = walk_gait(lead_in=0.7, lead_out=0.7, com={"preview": 0.7})
+@pytest.mark.parametrize("generator", ["preview", "qp"])
+def test_a_short_rest_at_the_start_is_enough(generator: str):
+    gait = walk_gait(lead_in=0.1, lead_out=0.7, com={"generator": generator, "preview": 0.7})
     assert parse_gait(gait.to_yaml(), "a.yaml") == gait
 
 

@@ -39,6 +39,11 @@ def test_the_phase_that_is_too_short_is_named_with_the_least_duration(short: int
 
 @pytest.mark.parametrize("key", ["shift", "lead_in", "lead_out"])
 def test_a_phase_of_a_kick_that_is_too_short_is_named(key: str):
-    kick = {"mgs": 1, "motion": "kick", "dt": 0.1, "com": {"preview": 0.2}, "kick": {key: 0.3}}
+    kick = {
+        "mgs": 1,
+        "motion": "kick",
+        "dt": 0.1,
+        "kick": {"lead_in": 0.5, "lead_out": 0.5, key: 0.3},
+    }
     with pytest.raises(ConfigError, match=rf"^kick\.{key}: 0\.3 s is fewer than 5 samples"):
         plan_motion(load_robot("melson"), KickGait.model_validate(kick))

@@ -65,7 +65,7 @@ def solve(progress: Progress | None = None, variant: Variant | None = None) -> S
     assert isinstance(gait, WalkGait) and isinstance(fast_gait, WalkGait)
     com_height = plan_walk(robot, gait).com_height
     servos = {
-        weight: Servo(gait.dt, com_height, ComParameters(weight_jerk=weight))
+        weight: Servo(gait.dt, com_height, ComParameters(generator="preview", weight_jerk=weight))
         for weight in (SOFT, STIFF)
     }
     step = step_reference(STEP_BEFORE, STEP_AFTER, STEP)
