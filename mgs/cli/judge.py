@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     help="Physics engines for the replays: pybullet, mujoco, pybullet,mujoco or none. Default: all "
     "installed engines.",
 )  # fmt: skip
-@servos_option_of("ideal")
+@servos_option_of("ideal,pd")
 @sag_option
 @damping_time_option
 @feed_forward_option

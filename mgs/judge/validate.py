@@ -31,11 +31,14 @@ from mgs.sim.conditions import RANGES, draw
 from mgs.sim.settings import settings_of_draws
 
 
+SERVOS = ("ideal", "pd")  # of the replays, unless others are asked for
+
+
 def validate(
     motion: Motion | str | Path,
     *,
     physics: str | Iterable[str] | None = None,
-    servo: str | Iterable[str] = "ideal",
+    servo: str | Iterable[str] = SERVOS,
     sag_deg: float | None = None,
     damping_time: float | None = None,
     feed_forward: bool | None = None,
@@ -53,7 +56,9 @@ def validate(
         motion: a motion or the path of a motion file.
         physics: names of engines; "none": static checks alone; None: every engine installed.
         servo: kinds of servos, one replay each: "ideal", "model" for the servos that robot.yaml
-            describes, "pd" for PD servos; several in a list or with commas between them.
+            describes, "pd" for PD servos; several in a list or with commas between them. By
+            default ideal and PD servos, so that a motion passes only if it also stands on servos
+            that give way and that nobody has modelled.
         sag_deg: position error of PD servos at stall torque [deg]; None: 1.
         damping_time: damping of PD servos divided by their stiffness [s]; None: 0.01.
         feed_forward: whether commands compensate the position error of servos that are not ideal;

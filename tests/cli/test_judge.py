@@ -95,9 +95,9 @@ def test_every_engine_prints_json_and_nothing_else(walk_file: Path, tmp_path: Pa
     verdict = json.loads(done.stdout)
     checked(verdict)
     assert done.returncode == {"pass": 0, "fail": 1}[verdict["verdict"]]
-    assert [replay["engine"] for replay in verdict["replays"]] == list(ENGINES)
+    assert [replay["engine"] for replay in verdict["replays"]] == 2 * list(ENGINES)
     names = {check["name"] for check in verdict["checks"]}
-    for engine in ENGINES:
+    for engine in (*ENGINES, *(f"{engine}_pd" for engine in ENGINES)):
         assert names >= {f"{engine}_{figure}" for figure in ("upright", "position", "yaw")}
     assert files_below(tmp_path) == {}  # no log of an engine either
 
@@ -158,7 +158,8 @@ def test_a_servo_sweep_is_printed_and_drawn(walk_file: Path, tmp_path: Path, mon
         "mgs.judge.validate.sweep_servos", functools.partial(sweep_servos, cases=cases)
     )
     figure = tmp_path / "servos.png"
-    options = ("--physics", "mujoco", "--servo-sweep", "--sweep-plot", figure)
+    ideal = ("--physics", "mujoco", "--servo", "ideal")
+    options = (*ideal, "--servo-sweep", "--sweep-plot", figure)
     result = run("validate", walk_file, *options)
     assert result.exit_code == 0  # no check depends on the sweep
     words = "mujoco, PD servos, planned angles, friction 1: passes at sags of 0.5 deg"
@@ -297,7 +298,7 @@ def test_a_verdict_names_its_servos(walk_file: Path):
 
 
 @pytest.mark.parametrize("command", ["validate", "replay"])
-@pytest.mark.parametrize("options", [("--feed-forward",), ("--servo", "ideal", "--feed-forward")])
+@pytest.mark.parametrize("options", [("--servo", "ideal", "--feed-forward")])
 def test_feed_forward_is_refused_for_ideal_servos(
     walk_file: Path, command: str, options: tuple[str, ...]
 ):
@@ -326,8 +327,8 @@ def test_a_verdict_may_be_of_several_kinds_of_servos(walk_file: Path):
 @pytest.mark.parametrize(
     "options",
     [
-        ("--sag", "1"),
-        ("--damping-time", "0.01"),
+        ("--sag", "1", "--servo", "ideal"),
+        ("--damping-time", "0.01", "--servo", "ideal"),
         ("--sag", "1", "--servo", "model"),
         *(("--servo", "pd", "--sag", value) for value in ("nan", "0", "-1", "91", "soft")),
         *(("--servo", "pd", "--damping-time", value) for value in ("nan", "-1", "2", "long")),

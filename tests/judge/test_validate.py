@@ -65,7 +65,10 @@ def without_physics(motion: Motion) -> Verdict:
             ("--physics", "mujoco", "--servo", "ideal,pd", "--sag", "2"),
             {"physics": "mujoco", "servo": ["ideal", "pd"], "sag_deg": 2.0},
         ),
-        (("--physics", "mujoco", "--sample", "3"), {"physics": "mujoco", "sample": 3}),
+        (
+            ("--physics", "mujoco", "--servo", "ideal", "--sample", "3"),
+            {"physics": "mujoco", "servo": "ideal", "sample": 3},
+        ),
         (
             ("--physics", "mujoco", "--monte-carlo", "2", "--ranges", "lab", "--seed", "5"),
             {"physics": "mujoco", "monte_carlo": 2, "ranges": "lab", "seed": 5},
@@ -88,7 +91,8 @@ def test_the_verdict_is_that_of_the_command(
 def test_without_a_word_every_engine_that_is_installed_replays_the_motion(walk: Motion):
     engines = available_engines()
     assert engines
-    assert [found.engine for found in validate(walk).replays] == list(engines)
+    replays = [(found.servo, found.engine) for found in validate(walk).replays]
+    assert replays == [(servo, engine) for servo in ("ideal", "pd") for engine in engines]
 
 
 @needs_mujoco
@@ -108,10 +112,14 @@ def test_without_physics_there_are_static_checks_alone(walk: Motion, physics: An
 def test_progress_names_each_step(walk: Motion):
     calls: list[tuple[str, int, int]] = []
     engines = available_engines()[-1:]
-    validate(walk, physics=engines, monte_carlo=1, progress=lambda *call: calls.append(call))
+    servos = ("ideal", "pd")
+    tell = lambda *call: calls.append(call)  # noqa: E731
+    validate(walk, physics=engines, servo=servos, monte_carlo=1, progress=tell)
     steps = list(dict.fromkeys(step for step, _, _ in calls))
     assert steps == [
-        *("static checks", f"{engines[0]}, ideal servos", f"{engines[0]}, 1 random replays")
+        "static checks",
+        *(f"{engines[0]}, {kind} servos" for kind in servos),
+        f"{engines[0]}, 1 random replays",
     ]
     assert all(0 <= done <= total for _, done, total in calls)
 
@@ -124,9 +132,9 @@ def test_progress_names_each_step(walk: Motion):
         ({"physics": ""}, "physics: '' is not a list"),
         ({"servo": "perfect"}, "servo: 'perfect' is unknown; use ideal"),
         ({"servo": []}, "servo: '' is unknown; use ideal"),
-        ({"sag_deg": 2.0}, "sag_deg: only PD servos have it"),
+        ({"servo": "ideal", "sag_deg": 2.0}, "sag_deg: only PD servos have it"),
         ({"servo": "pd", "sag_deg": 0.0}, "sag_deg: 0 is outside the range 0.01 to 90 deg"),
-        ({"feed_forward": True}, "feed_forward: ideal servos have no position error"),
+        ({"servo": "ideal", "feed_forward": True}, "feed_forward: ideal servos have no position error"),
         ({"ranges": "huge"}, "ranges: 'huge' is unknown; use wide or lab"),
         ({"monte_carlo": 0}, "monte_carlo: should be a whole number, at least 1; found 0"),
         ({"monte_carlo": 1.5}, "monte_carlo: should be a whole number"),
