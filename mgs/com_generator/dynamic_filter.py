@@ -4,7 +4,8 @@ Second stage of Kajita et al., "Biped walking pattern generation by using previe
 zero-moment point", ICRA 2003, section 4: the difference between the ZMP that was planned and the
 one that the whole robot would have goes through the same preview controller, and its response is
 added to the CoM. The loop around it, through inverse kinematics and dynamics, is the pipeline's.
-Whatever of the response still moves at the end is brought to rest within the rest of the gait.
+The response begins before the error does and ends after it. Whatever of it would move at the first
+and the last sample is brought to rest within the rests of the gait.
 """
 
 from __future__ import annotations
@@ -41,47 +42,54 @@ def correct_com(
     """
     if parameters.generator != FOLLOWS_REFERENCE:
         parameters = parameters.model_copy(update={"weight_error": 1.0, "weight_jerk": STIFF})
-    response = respond(rest_window(zmp_ref)[:, None] * error, com.position[:, 2], dt, parameters)
-    ends = _end_state(response, dt * _rest_at_end(zmp_ref), dt)
-    place, speed, acceleration = (part[:, :2] for part in _parts(response))
-    lever = com.position[0, 2] / GRAVITY
+    n_before = round(parameters.preview / dt)  # the control sees all that comes before it begins
+    height = np.pad(com.position[:, 2], (n_before, 0), mode="edge")
+    off = np.pad(rest_window(zmp_ref)[:, None] * error, ((n_before, 0), (0, 0)))
+    response = respond(off, height, dt, parameters)
+    place, speed, acceleration = (
+        part[n_before:, :2]
+        for part in (response.position, response.velocity, response.acceleration)
+    )
+    motion = [place, speed, acceleration]
+    rests = _rests(zmp_ref)
+    for end, rest in zip((0, -1), rests, strict=True):
+        still = _standstill([part[end] for part in motion], end, dt * rest, dt, len(zmp_ref))
+        motion = [part - less for part, less in zip(motion, still, strict=True)]
     zeros = np.zeros((len(zmp_ref), 1))
+    place, speed, acceleration = (np.hstack([part, zeros]) for part in motion)
+    lever = com.position[0, 2] / GRAVITY
     return ComTrajectory(
-        position=com.position + np.hstack([place - ends[0], zeros]),
-        velocity=com.velocity + np.hstack([speed - ends[1], zeros]),
-        acceleration=com.acceleration + np.hstack([acceleration - ends[2], zeros]),
-        zmp=com.zmp + response.zmp - (ends[0] - lever * ends[2]),
+        position=com.position + place,
+        velocity=com.velocity + speed,
+        acceleration=com.acceleration + acceleration,
+        zmp=com.zmp + (place - lever * acceleration)[:, :2],
     )
 
 
-def _parts(com: ComTrajectory) -> tuple[Array, Array, Array]:
-    return com.position, com.velocity, com.acceleration
+def _standstill(state: list[Array], end: int, rest: float, dt: float, n: int) -> list[Array]:
+    """Position, speed and acceleration (n, 2) that bring a response to rest at one end.
 
-
-def _end_state(response: ComTrajectory, rest: float, dt: float) -> tuple[Array, Array, Array]:
-    """Position, speed and acceleration (N, 2) of what is still moving at the end of a response.
-
-    It is the polynomial of fifth degree that is at rest until the robot rests and has the state of
-    the response at the last sample. Less this polynomial the response ends at rest, however short
-    the rest is; in a long one the preview control has come to rest, and the polynomial is zero.
+    Less this polynomial of fifth degree the response, whose state (3 x 2) at the first (end = 0) or
+    last (end = -1) sample is given, is at rest there, however short the rest [s] of the robot is.
+    Where the rest is long, the response is at rest by itself and the polynomial is zero.
     """
-    x, v, a = (part[-1, :2] for part in _parts(response))
-    v, a = rest * v, rest**2 * a  # in the unit `rest` of time
-    cubic, quartic, quintic = (
-        10.0 * x - 4.0 * v + 0.5 * a, -15.0 * x + 7.0 * v - a, 6.0 * x - 3.0 * v + 0.5 * a
-    )  # fmt: skip
-    n = len(response.position)
-    s = np.maximum(1.0 - dt * np.arange(n)[::-1, None] / rest, 0.0)
-    place = s**3 * (cubic + s * (quartic + s * quintic))
-    speed = s**2 * (3.0 * cubic + s * (4.0 * quartic + 5.0 * s * quintic))
-    acceleration = s * (6.0 * cubic + s * (12.0 * quartic + 20.0 * s * quintic))
-    return place, speed / rest, acceleration / rest**2
+    sign = 1.0 if end else -1.0  # of time, which runs backwards at the first sample
+    x, v, a = state[0], sign * rest * state[1], rest**2 * state[2]  # in the unit `rest` of time
+    cubic, quartic = 10.0 * x - 4.0 * v + 0.5 * a, -15.0 * x + 7.0 * v - a
+    highest = 6.0 * x - 3.0 * v + 0.5 * a
+    k = np.arange(n)[::-1] if end else np.arange(n)
+    s = np.maximum(1.0 - dt * k[:, None] / rest, 0.0)
+    place = s**3 * (cubic + s * (quartic + s * highest))
+    speed = s**2 * (3.0 * cubic + s * (4.0 * quartic + 5.0 * s * highest))
+    acceleration = s * (6.0 * cubic + s * (12.0 * quartic + 20.0 * s * highest))
+    return [place, sign * speed / rest, acceleration / rest**2]
 
 
-def _rest_at_end(zmp_ref: Array) -> int:
-    """Number of samples after the last motion of the ZMP reference (N, 2), at least 1."""
+def _rests(zmp_ref: Array) -> tuple[int, int]:
+    """Numbers of samples before and after the motion of the ZMP reference (N, 2), at least 1."""
     moving = np.flatnonzero(np.any(zmp_ref[1:] != zmp_ref[:-1], axis=1))
-    return max(1, len(zmp_ref) - 1 - (int(moving[-1]) if len(moving) else 0))
+    first, last = (moving[0], moving[-1]) if len(moving) else (0, 0)
+    return max(1, int(first)), max(1, len(zmp_ref) - 1 - int(last))
 
 
 def rest_window(zmp_ref: Array) -> Array:

@@ -85,7 +85,7 @@ class KickParameters(Model):
         "[m].",
     )
     lead_in: Duration = Field(
-        0.3,
+        1.8,
         description="Duration of rest before the weight shift [s].",
     )
     shift: Duration = Field(
@@ -104,7 +104,7 @@ class KickParameters(Model):
         description="Duration of the return from the end of the swing to the position at rest [s].",
     )
     lead_out: Duration = Field(
-        0.3,
+        1.8,
         description="Duration of rest after the last weight shift [s]; at least com.preview with "
         "com.generator: preview.",
     )

@@ -17,7 +17,7 @@ from mgs.core.config import build
 from mgs.core.constants import GRAVITY
 from mgs.core.errors import ConfigError, DivergenceError, InfeasibleGaitError
 from mgs.core.progress import Progress
-from mgs.gait import ComParameters, IkParameters, WalkGait, WalkParameters
+from mgs.gait import WalkGait, WalkParameters
 from mgs.judge.motion_checks import Check, check_motion
 from mgs.judge.processes import in_order
 from mgs.judge.verdict import replay_checks
@@ -116,14 +116,7 @@ def default_walk(robot: Robot, name: str) -> WalkGait:
         single_support=share,
         double_support=round(1.0 - share, 9),
     )
-    return WalkGait(
-        mgs=1,
-        robot=name,
-        motion="walk",
-        walk=walk,
-        com=ComParameters(weight_jerk=1e-8),
-        ik=IkParameters(gamma_grav=0.0),
-    )
+    return WalkGait(mgs=1, robot=name, motion="walk", walk=walk)
 
 
 def default_step_times(robot: Robot, dt: float) -> list[float]:

@@ -134,7 +134,10 @@ def test_progress_names_each_step(walk: Motion):
         ({"servo": []}, "servo: '' is unknown; use ideal"),
         ({"servo": "ideal", "sag_deg": 2.0}, "sag_deg: only PD servos have it"),
         ({"servo": "pd", "sag_deg": 0.0}, "sag_deg: 0 is outside the range 0.01 to 90 deg"),
-        ({"servo": "ideal", "feed_forward": True}, "feed_forward: ideal servos have no position error"),
+        (
+            {"servo": "ideal", "feed_forward": True},
+            "feed_forward: ideal servos have no position error",
+        ),
         ({"ranges": "huge"}, "ranges: 'huge' is unknown; use wide or lab"),
         ({"monte_carlo": 0}, "monte_carlo: should be a whole number, at least 1; found 0"),
         ({"monte_carlo": 1.5}, "monte_carlo: should be a whole number"),
