@@ -30,7 +30,6 @@ from mgs.sim import (
 from mgs.sim.conditions import RANGES, draw
 from mgs.sim.settings import settings_of_draws
 
-
 SERVOS = ("ideal", "pd")  # of the replays, unless others are asked for
 
 

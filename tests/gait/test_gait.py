@@ -126,7 +126,7 @@ def test_a_gait_of_one_key_has_the_documented_defaults():
             "single_support": 0.5,
             "lead_out": 0.3,
             "step_height": 0.02,
-            "swing_profile": "quintic",
+            "swing_profile": "minimum_jerk",
             "landing": 0.2,
             "com_height": None,
             "com_tolerance": 2e-4,

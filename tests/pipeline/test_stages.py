@@ -102,9 +102,10 @@ def test_a_motion_starts_as_it_stands_and_ends_as_it_started(walk_5cm: Stages):
         assert np.abs(motion.v[k]).max() < 5e-3
 
 
-def test_the_whole_robots_zmp_stays_near_the_reference_in_a_slow_walk(walk_5cm: Stages):
+def test_the_whole_robots_zmp_stays_near_the_reference_in_a_slow_walk():
     """What the cart-table model leaves out costs 4 mm at most at 2.4 s a step."""
-    motion = walk_5cm.motion
+    follows = ("com.generator=preview", "com.weight_jerk=1e-6")
+    motion = filtered("melson/walk_5cm", *follows).motion
     assert np.linalg.norm(motion.zmp - motion.zmp_ref, axis=1).max() < 4e-3
 
 
@@ -218,8 +219,10 @@ def test_three_passes_leave_less_than_a_fifteenth_of_the_zmp_error(name: str):
     runs = [filtered(name, f"com.passes={n}") for n in (0, 3)]
     before, after = (mean_zmp_error(stages) for stages in runs)
     assert before > 15.0 * after
-    margins = [zmp_margins(stages.motion, stages.motion.zmp).min() for stages in runs]
-    assert margins[1] > margins[0] + 5e-3  # [m]
+    planned, kept = (zmp_margins(runs[1].motion, zmp).min() for zmp in (
+        plan_of(runs[1]), runs[1].motion.zmp
+    ))  # fmt: skip
+    assert kept > planned - 1e-3  # [m]
     told = [stages.motion.provenance.zmp_error for stages in runs]
     assert_allclose(
         [told[0].before.mean, told[1].after.mean],
@@ -248,7 +251,14 @@ def test_by_default_no_shipped_walk_is_off_plan_by_more_than_the_tolerance(shipp
 
 @pytest.mark.parametrize("solver", IK_SOLVERS.own)
 def test_the_filter_works_with_every_ik_solver(solver: str):
-    short = ("walk.n_steps=2", "com.passes=2", "com.zmp_tolerance=1e-6", f"ik.solver={solver}")
+    rests = ("walk.lead_in=1.8", "walk.lead_out=1.8")
+    short = (
+        "walk.n_steps=2",
+        *rests,
+        "com.passes=2",
+        "com.zmp_tolerance=1e-6",
+        f"ik.solver={solver}",
+    )
     error = filtered("melson/walk_practical", *short).motion.provenance.zmp_error
     assert error.passes == 2
     assert error.after.mean < error.before.mean / 10.0
@@ -265,7 +275,7 @@ def test_without_passes_the_com_is_stage_3s_own(melson: Robot):
 def test_passes_end_at_the_tolerance():
     loose = filtered("melson/walk_5cm", "com.zmp_tolerance=0.001").motion.provenance.zmp_error
     assert loose.passes == 0 and loose.after.mean < 1e-3
-    fine = filtered("melson/walk_5cm", "com.zmp_tolerance=2e-5").motion.provenance.zmp_error
+    fine = filtered("melson/walk_5cm", "com.zmp_tolerance=5e-6").motion.provenance.zmp_error
     assert 1 < fine.passes <= 3
 
 
