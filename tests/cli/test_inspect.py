@@ -44,7 +44,7 @@ def test_info_in_words_names_topics_and_attachments(walk_file: Path):
     content = read_info(walk_file)
     for topic in content["topics"]:
         assert f"  {topic['topic']}, {topic['type']}, {topic['messages']}\n" in result.stdout
-    for text in ("robot: melson", "gait: walk_practical", "robot.urdf", "samples: 361", "steps: 2"):
+    for text in ("robot: melson", "gait: walk_practical", "robot.urdf", "samples: 351", "steps: 2"):
         assert text in result.stdout
 
 

@@ -10,7 +10,7 @@ from click.testing import CliRunner, Result
 
 from mgs.cli import main
 
-# a short walk: 361 samples
+# a short walk: 351 samples
 SHORT_WALK = (
     "melson/walk_practical",
     *("--set", "com.preview=0.8", "--set", "walk.lead_in=0.8", "--set", "walk.lead_out=0.8"),
