@@ -31,6 +31,7 @@ from mgs.library.condition import compile_condition, quoted
 from mgs.library.sweep import Axis, Sweep, load_sweep
 
 Point = tuple[Any, ...]
+WHOLE = re.compile(r"-?(0|[1-9][0-9]{0,15})")
 DECIMAL = re.compile(r"-?(0|[1-9][0-9]*)\.[0-9]+")
 
 
@@ -204,6 +205,8 @@ def _read_table(path: Path) -> tuple[tuple[str, ...], list[Point]]:
 
 def _field(text: str, source: str) -> Any:
     """Value of a field; plain decimal numbers, which are most, do not need the YAML parser."""
+    if WHOLE.fullmatch(text):
+        return int(text)
     return float(text) if DECIMAL.fullmatch(text) else parse_yaml(text, source)
 
 

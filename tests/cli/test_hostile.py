@@ -11,11 +11,15 @@ import threading
 from pathlib import Path
 
 import pytest
+from mcap.records import Attachment
 
 import mgs.cli
 from mgs.core.limits import MAX_CHAIN, MAX_FILE, MAX_LINKS, MAX_SHAPES
 from mgs.core.shipped import shipped_folder
+from mgs.motion_file import motion_bytes
+from mgs.pipeline.request import generate
 from tests.support.commands import files_below, run
+from tests.support.rewriting import rewritten
 
 CASES = Path(__file__).parents[1] / "data" / "hostile"
 ANSWERS = {  # what the message has to name
@@ -99,6 +103,17 @@ def test_a_long_chain_of_links_reaches_no_native_parser(n: int, tmp_path: Path) 
         assert known in refusal(*command)
     assert not (tmp_path / "new").exists()
     assert not (tmp_path / "a.mcap").exists()
+
+
+def test_a_long_chain_in_a_motion_file_reaches_no_native_parser(tmp_path: Path) -> None:
+    def change(record: object) -> None:
+        if isinstance(record, Attachment) and record.name == "robot.urdf":
+            record.data = melson_with(chain(900)).encode()
+
+    path = tmp_path / "a.mcap"
+    motion = motion_bytes(generate("melson", "melson/bow", dt=0.1))
+    path.write_bytes(rewritten(motion, change=change))
+    assert "too long a chain" in refusal("validate", path, "--physics", "none")
 
 
 @pytest.mark.parametrize(
