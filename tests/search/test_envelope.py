@@ -145,7 +145,11 @@ def test_a_probe_names_its_failed_checks():
     assert "t = " in long.message
     assert (long.zmp_margin, long.max_tilt_deg) == (None, None)
     high = with_step(short, 0.25, 0.1)
-    high = high.model_copy(update={"walk": high.walk.model_copy(update={"step_height": 0.04})})
+    blocks = {
+        "walk": high.walk.model_copy(update={"step_height": 0.04}),
+        "ik": high.ik.model_copy(update={"on_limit": "record"}),  # the check names the speed
+    }
+    high = high.model_copy(update=blocks)
     hasty = probe(MELSON, high, ("mujoco",), "ideal")
     assert "joint_speed" in hasty.failed
     assert hasty.max_tilt_deg is None  # what the servos cannot do is not replayed
