@@ -420,7 +420,8 @@ def figures(replay: mgs.Replay | dict[str, Any]) -> dict[str, Any]:
     """All figures of a replay but the time that it took and what is said of the machine."""
     told = json.loads(json.dumps(replay if isinstance(replay, dict) else replay.to_json()))
     del told["wall_seconds"]
-    told.pop("engines_missing", None)
+    for of_the_command in ("engines_missing", "json_version"):
+        told.pop(of_the_command, None)
     return told
 
 

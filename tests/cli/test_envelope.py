@@ -16,7 +16,7 @@ from tests.support.commands import files_below, run
 needs_mujoco = pytest.mark.skipif(
     "mujoco" not in available_engines(), reason="MuJoCo is not installed"
 )
-SMALL = ("--set", "walk.n_steps=2", "--times", "0.6", "--resolution", "0.15")
+SMALL = ("--set", "walk.n_steps=2", "--times", "0.6", "--resolution", "0.05")
 QUICK = (*SMALL, "--physics", "mujoco", "--servo", "ideal")
 
 
@@ -25,12 +25,12 @@ def test_an_envelope_consists_of_three_files(tmp_path: Path):
     folder = tmp_path / "out"
     result = run("envelope", "melson", *QUICK, "-o", folder)
     assert result.exit_code == 0, result.output
-    assert "fastest walk: steps of 0.150 m in 0.60 s, 0.250 m/s, Froude number 0.02" in (
+    assert "fastest walk: steps of 0.100 m in 0.60 s, 0.167 m/s, Froude number 0.01" in (
         result.output
     )
     assert set(files_below(folder)) == {"envelope.json", "envelope.png", "fastest.yaml"}
     gait = load_gait(folder / "fastest.yaml")
-    assert (gait.robot, gait.walk.step_length, gait.walk.n_steps) == ("melson", 0.15, 2)
+    assert (gait.robot, gait.walk.step_length, gait.walk.n_steps) == ("melson", 0.1, 2)
     before = files_below(folder)
     again = run("envelope", "melson", *QUICK, "-o", folder)
     assert again.exit_code == 1

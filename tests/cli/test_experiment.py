@@ -73,7 +73,7 @@ def test_a_real_experiment_prints_json_and_nothing_else(tmp_path: Path):
 
 def test_the_generator_of_a_gait_is_analysed(tmp_path: Path):
     folder = tmp_path / "figures"
-    result = run("experiment", "preview", "--gait", "coman/walk", "-o", folder)
+    result = run("experiment", "preview", "--gait", "melson/s1", "-o", folder)
     assert result.exit_code == 0
     assert result.stdout.count("pole: ") == 4 and "step response of the ZMP" in result.stdout
     assert set(files_below(folder)) == {"design.png"}

@@ -58,7 +58,7 @@ def test_a_walk_imports_only_what_it_uses(tmp_path: Path):
 import sys
 from pathlib import Path
 from mgs.cli import main
-main(["generate", "melson/walk_5cm", "-o", {str(tmp_path / "walk.mcap")!r}], standalone_mode=False)
+main(["generate", "melson/s1", "-o", {str(tmp_path / "walk.mcap")!r}], standalone_mode=False)
 print("LOADED", *sys.modules)
 """
     done = subprocess.run(

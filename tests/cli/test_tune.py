@@ -32,6 +32,8 @@ FIXED = {
     "com.weight_jerk": 1e-4,
     "ik.gamma_joint": 0.35,
     "ik.gamma_grav": 0.0,
+    "walk.lead_in": 1.8,  # rests, in which the knee bears less
+    "walk.lead_out": 1.8,
 }
 PINNED = tuple(text for key, value in FIXED.items() for text in ("--pin", f"{key}={value}"))
 

@@ -110,7 +110,7 @@ def test_two_solvers_meet_the_same_tasks(installed: None, melson: Robot):
         ("com.generator=cart_table", "did you mean 'cart-table'"),
         ("ik.parameters={updates: 0}", "ik.parameters: updates: input should be greater than"),
         ("ik.parameters={update: 2}", "newton has no parameter 'update'; known: updates"),
-        ("com.parameters={x: 1}", "preview has no parameters of its own"),
+        ("com.parameters={x: 1}", "qp has no parameters of its own"),
     ],
 )
 def test_a_wrong_name_or_parameter_is_refused(installed: None, setting: str, message: str):

@@ -649,7 +649,8 @@ WALKS = {
 def walk(name: str, posture_weight: float | None) -> tuple[np.ndarray, np.ndarray, int]:
     """Joint angles, CoM errors, and samples per two steps of a long walk with ik4."""
     ik = {"solver": "ik4", "faraji": {"posture_weight": posture_weight}}
-    gait = walk_gait(dt=0.02, n_steps=STEPS, ik=ik, **WALKS[name])
+    rests = {"lead_in": 1.8, "lead_out": 1.8}
+    gait = walk_gait(dt=0.02, n_steps=STEPS, ik=ik, **rests, **WALKS[name])
     run = whole(load_robot(name), gait)
     two_steps = round(2.0 * (gait.walk.single_support + gait.walk.double_support) / gait.dt)
     return (

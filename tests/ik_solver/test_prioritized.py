@@ -462,7 +462,7 @@ def test_joints_do_not_jump_at_a_switch(robots: dict[str, Robot]) -> None:
     near, far = {}, {}
     for handover in (0.0, 0.3):
         gait = load_gait(
-            "melson/walk_5cm",
+            "melson/s3",
             ("ik.solver=prioritized", "ik.prioritized.null_space=projected",
              f"ik.prioritized.handover={handover}", "ik.on_limit=record"),
         )  # fmt: skip
@@ -502,7 +502,7 @@ def test_a_motion_starts_and_ends_at_rest(robots: dict[str, Robot]) -> None:
     run = walk_through(robots["coman"], load_gait("coman/hand_eight"))
     speed = np.abs(np.diff(run.configurations[:, 7:], axis=0)) / 0.01
     assert speed[:40].max() < 1e-5  # [rad/s]
-    assert speed[-1].max() < 0.02
+    assert speed[-1].max() < 0.025  # half of what the check of rest allows
 
 
 @pytest.mark.parametrize("solver", SOLVERS)

@@ -32,11 +32,13 @@ SHORT = {
 }  # fmt: skip
 GAINS = {"gamma_joint": 0.35, "gamma_grav": 1.6}
 
+RESTS = {"lead_in": 1.8, "lead_out": 1.8}  # [s] in which joints settle
+
 
 def walk(solver: str = "trajectory", **trajectory: float | str) -> WalkGait:
     """A walk with the same CoM motion for all solvers, without the dynamic filter."""
     ik = {"solver": solver, **GAINS, "trajectory": trajectory}
-    return walk_gait(**SHORT, com={"passes": 0}, ik=ik)
+    return walk_gait(**SHORT, **RESTS, com={"passes": 0}, ik=ik)
 
 
 def squat(solver: str = "trajectory") -> BalanceGait:
@@ -165,7 +167,8 @@ def test_on_request_the_motion_starts_as_with_closed_loop_ik(melson: Robot, clos
 
 def test_a_motion_with_free_ends_ends_in_the_posture_of_its_start(melson: Robot):
     """The soles are abreast at both ends, so that motions can follow each other."""
-    q = run_stages(melson, walk_gait(n_steps=2, ik={"solver": "trajectory", **GAINS})).joints.angles
+    gait = walk_gait(n_steps=2, **RESTS, ik={"solver": "trajectory", **GAINS})
+    q = run_stages(melson, gait).joints.angles
     assert np.abs(q[-1] - q[0]).max() < 0.01  # [rad]
 
 

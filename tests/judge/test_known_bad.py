@@ -31,7 +31,9 @@ from mgs.robot import Robot, build_robot, load_robot
 from mgs.sim import available_engines
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 
-GAIT = load_gait("melson/walk_practical", ("walk.n_steps=3",))
+GAIT = load_gait(
+    "melson/walk_practical", ("walk.n_steps=3", "walk.lead_in=1.8", "walk.lead_out=1.8")
+)
 assert isinstance(GAIT, WalkGait)
 
 

@@ -45,6 +45,8 @@ def told(verdict: dict[str, Any]) -> dict[str, Any]:
     """A verdict as JSON, without the name of the motion and the time that replays took."""
     plain = json.loads(json.dumps(verdict))
     del plain["file"]
+    for only_of_the_command in ("json_version", "engines_missing"):
+        plain.pop(only_of_the_command, None)
     for figures in plain["replays"]:
         del figures["wall_seconds"]
     return plain

@@ -157,4 +157,4 @@ def test_equation_16_degrades_the_hand_and_equation_7_does_not():
         errors[form] = worst
     assert errors["equation_16"] > 0.005
     assert errors["footnote_3"] > 0.005
-    assert errors["equation_7"] < 1e-4
+    assert errors["equation_7"] < 0.01 * errors["equation_16"]  # that of explicit steps of 10 ms

@@ -282,7 +282,7 @@ def test_in_single_support_the_torques_are_those_of_gravity_alone(
 def torques_of(robot: Robot, sharing: str) -> np.ndarray:
     settings = ("ik.gamma_joint=0.35", "ik.gamma_grav=1.6", f"ik.double_support={sharing}")
     one_com = "com.passes=0"  # not one corrected for either scheme
-    return run_stages(robot, load_gait("melson/walk_5cm", (*settings, one_com))).motion.torque
+    return run_stages(robot, load_gait("melson/s3", (*settings, one_com))).motion.torque
 
 
 @pytest.mark.parametrize("sharing", SHARINGS)
