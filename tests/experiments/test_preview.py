@@ -191,7 +191,7 @@ def test_the_generator_of_a_walk_has_the_poles_of_its_cart_table() -> None:
 
     They are the stable zero of the cart-table and the mirror image of the unstable one.
     """
-    design = analyse("coman/walk")
+    design = analyse("melson/s1")
     assert design.generator == "preview" and design.gain_gap is not None
     assert design.gain_gap < 1e-6
     slowest = np.sqrt(design.com_height / 9.81)

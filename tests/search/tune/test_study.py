@@ -29,7 +29,7 @@ def run(path: Path, trials: int, **options: int) -> study.Search:
 
 def test_the_search_beats_chance_and_names_a_parameter_that_matters(tmp_path: Path):
     """Chance: as many walks anywhere between the bounds, ten times over."""
-    n = 80
+    n = 150
     found = run(tmp_path, n)
     task, rng = found.task, np.random.default_rng(0)
     assert found.best is not None
