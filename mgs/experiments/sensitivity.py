@@ -8,6 +8,7 @@ it is reported with the reason of the refusal.
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -80,12 +81,16 @@ def robustness(
     """
     if claim.kind == "ours":
         return "ours"
-    other = {n: c[claim.id] for n, c in variants.items() if c[claim.id].holds != claim.holds}
-    text = "robust" if variants else "not measured"
+    found = {n: c[claim.id] for n, c in variants.items()}
+    undefined = [n for n, c in found.items() if not all(map(math.isfinite, c.values.values()))]
+    other = {n: c for n, c in found.items() if c.holds != claim.holds and n not in undefined}
+    text = "robust" if len(found) > len(undefined) else "not measured"
     if other:
         verb = "holds" if claim.holds is False else "breaks"
         cases = "; ".join(f"{name} ({c.figure})" for name, c in other.items())
         text = f"fragile: {verb} at {cases}"
+    if undefined:  # such as the delay of a knee that is never stretched
+        text += f"; without a value at {', '.join(undefined)}"
     return NOT_ALONE.format(text, ", ".join(refused)) if refused else text
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from mgs.core.errors import InfeasibleGaitError
 from mgs.experiments import NAMES, Claim
-from mgs.experiments.sensitivity import measure
+from mgs.experiments.sensitivity import measure, robustness
 from mgs.experiments.variant import Variant
 from mgs.robot import load_robot
 
@@ -70,6 +70,18 @@ def test_without_a_variant_nothing_is_known_of_the_robustness(monkeypatch: pytes
     make_up(monkeypatch, VARIANTS[2:])
     found = {c.id: c.robustness for c in measure("made_up").claims}
     assert found["same"] == "not measured; not run at huge"
+
+
+def test_a_variant_without_a_value_is_named_and_not_counted():
+    def claim(holds: bool, value: float) -> Claim:
+        return Claim("delay", "later", f"{value} ms", holds, values={"ik1": value}, source="FI")
+
+    variants = {"slower": {"delay": claim(True, 2.0)}, "small": {"delay": claim(False, np.nan)}}
+    assert robustness(claim(True, 1.0), variants, []) == "robust; without a value at small"
+    variants["fast"] = {"delay": claim(False, 3.0)}
+    assert robustness(claim(True, 1.0), variants, []) == (
+        "fragile: breaks at fast (3.0 ms); without a value at small"
+    )
 
 
 @pytest.mark.parametrize("name", NAMES)

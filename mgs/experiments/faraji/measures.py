@@ -117,8 +117,8 @@ def escape_delay(study: Study, run: Run, bent_deg: float = BENT_DEG) -> float:
 
     The delay is relative to the reference: an exact solution has this angle when the reference
     falls to the CoM height that belongs to the angle, taken from ik4. Both times are interpolated
-    between samples. A knee that bends the wrong way has left the posture as well. NaN: the
-    reference never falls below that height.
+    between samples. A knee that bends the wrong way has left the posture as well. NaN: ik4 or
+    the run itself is never stretched, or the reference never falls below that height.
     """
     left = study.joint("KneeSag")[0]
     knee, bent = np.abs(run.joints[:, left]), np.deg2rad(bent_deg)
@@ -131,7 +131,10 @@ def escape_delay(study: Study, run: Run, bent_deg: float = BENT_DEG) -> float:
         asked = k - 1 + (wanted[k - 1] - height) / (wanted[k - 1] - wanted[k])
         first = k  # the last sample at which the knee is less bent
         if knee[k] >= bent:  # it was faster than the reference
-            first = int(np.flatnonzero(knee[:k] < bent)[-1]) if (knee[:k] < bent).any() else 0
+            straighter = np.flatnonzero(knee[:k] < bent)
+            if not len(straighter):
+                return float("nan")
+            first = int(straighter[-1])
         later = first + 1 + np.flatnonzero(knee[first + 1 :] >= bent)
         if len(later):
             j = int(later[0])
@@ -143,8 +146,13 @@ def escape_delay(study: Study, run: Run, bent_deg: float = BENT_DEG) -> float:
 
 
 def _height_of_knee(run: Run, knee: Array, angle: float) -> float:
-    """CoM height [m] at which the knee has an angle, interpolated from the samples of the run."""
+    """CoM height [m] at which the knee has an angle, interpolated from the samples of the run.
+
+    NaN: the knee does not have this angle in the window.
+    """
     z, angles = run.stages.motion.com[run.window, 2], knee[run.window]
+    if not angles.min() <= angle <= angles.max():
+        return float("nan")
     order = np.argsort(angles)
     return float(np.interp(angle, angles[order], z[order]))
 
