@@ -352,13 +352,16 @@ def test_a_killed_run_is_resumed(sweep: Path, plan: Plan, made: Made, address: s
 
 def test_control_c_ends_a_run_within_two_seconds(sweep: Path, tmp_path: Path):
     """The workers of its own end with it."""
-    folder = tmp_path / "lib"
-    process = start(sweep, folder, "--workers", "1")
-    wait_for(folder, 1, process)
-    workers = psutil.Process(process.pid).children(recursive=True)
-    begun = time.monotonic()
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate()
+    for attempt in range(5):  # on a busy machine a run may end before the signal reaches it
+        folder = tmp_path / f"lib{attempt}"
+        process = start(sweep, folder, "--workers", "1")
+        wait_for(folder, 1, process)
+        workers = psutil.Process(process.pid).children(recursive=True)
+        begun = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate()
+        if process.returncode != 0:
+            break
     waiting = max(1.0, os.getloadavg()[0] / (os.cpu_count() or 1))  # processes per processor core
     assert time.monotonic() - begun < 2.0 * waiting
     assert process.returncode == 1
