@@ -114,7 +114,7 @@ class ClosedLoopReport:
     """How the closed-loop IK fared."""
 
     newton_updates: int  # in all samples together
-    held_samples: int = 0  # samples at which a joint was held at a limit
+    held_steps: int = 0  # steps, Newton updates among them, that a limit has changed
 
     def to_dict(self) -> dict[str, object]:
         """The report as plain data."""

@@ -50,8 +50,8 @@ def steps(stages: Stages) -> np.ndarray:
     return np.diff(stages.joints.angles, axis=0) / stages.gait.dt
 
 
-def held_samples(stages: Stages) -> int:
-    return stages.joints.report_of(ClosedLoopReport).held_samples
+def held_steps(stages: Stages) -> int:
+    return stages.joints.report_of(ClosedLoopReport).held_steps
 
 
 def assert_tasks_met(stages: Stages) -> None:
@@ -127,7 +127,7 @@ def test_tasks_out_of_reach_are_met_as_far_as_the_bounds_permit(melson: Robot):
 def test_a_walk_within_its_limits_is_the_one_without_hard_limits(melson: Robot):
     free, held = (run_stages(melson, gait(mode)) for mode in ("record", "hold"))
     assert_array_equal(free.joints.angles, held.joints.angles)
-    assert held_samples(held) == 0
+    assert held_steps(held) == 0
 
 
 @pytest.mark.parametrize("torso", ["free", "upright"])
@@ -143,7 +143,7 @@ def test_a_joint_is_held_at_its_range(melson: Robot, joint: str, torso: str):
         run_stages(robot, gait("refuse", torso))
     stages = run_stages(robot, gait("hold", torso))
     assert stages.joints.angles[:, j].max() <= upper[j] + 1e-9
-    assert held_samples(stages) > 0
+    assert held_steps(stages) > 0
     assert_tasks_met(stages)
 
 

@@ -22,7 +22,7 @@ REPORTS = [
     TrajectoryReport([2.0, 1.0], 1, 1e-4),
 ]
 KEYS = [
-    ["newton_updates", "held_samples"],
+    ["newton_updates", "held_steps"],
     ["hard_error", "elastic_samples", "recovering_samples", "returns"],
     ["phases", "corrections", "worst_errors"],
     ["objective", "iterations", "projected_gradient"],
