@@ -32,9 +32,9 @@ from mgs.robot import load_robot
 CONTRADICTED = {"level_e_drift"}  # docs/papers.md gives the cause
 UNTESTED = {"robot", "raised_gains", "fast_motions", "force_control"}
 FIGURES = {  # claim, value, figure of our runs, relative tolerance
-    ("less_accurate", "equation_16"): (0.0238, 0.02),
+    ("less_accurate", "equation_16"): (0.0225, 0.02),
     ("less_accurate", "tracking"): (1.4e-5, 0.2),
-    ("less_accurate", "clip"): (0.0388, 0.02),
+    ("less_accurate", "clip"): (0.0365, 0.02),
     ("straight_knees", "straight"): (0.046, 0.05),
     ("switch", "switch"): (289.0, 0.05),
     ("cog_lag", "lag"): (0.0137, 0.15),

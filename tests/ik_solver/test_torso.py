@@ -64,6 +64,25 @@ def test_hold_keeps_the_lean_of_the_half_sitting_posture(melson: Robot):
     assert_allclose(np.arctan2(upright[:, 1, 0], upright[:, 0, 0]), heading, atol=1e-12)
 
 
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+@pytest.mark.parametrize("quarters", [0, 1, 2, 3])
+def test_upright_does_not_depend_on_how_the_torso_frame_is_named(
+    melson: Robot, axis: str, quarters: int
+):
+    """The same body with its frame turned by quarters of a turn has the same target."""
+    tasks = run_stages(melson, walk_gait(n_steps=2, step_yaw=0.2)).tasks
+    lean = quat_multiply(tasks.torso, quat_xyzw_from_rpy([0.05, 0.1, 0.0]))
+    turn = [0.5 * np.pi * quarters * (name == axis) for name in "xyz"]
+    renamed = quat_multiply(lean, quat_xyzw_from_rpy(turn))
+    plain = torso_targets(melson, dataclasses.replace(tasks, torso=lean), "upright")
+    found = torso_targets(melson, dataclasses.replace(tasks, torso=renamed), "upright")
+    assert plain is not None and found is not None
+    body = found @ rotations_from_quat_xyzw(np.array(quat_xyzw_from_rpy(turn))[None])[0].T
+    # which horizontal axis gives the heading depends on the frame: a product of both leans
+    assert_allclose(body, plain, atol=0.05 * 0.1)
+    assert_allclose(np.abs(body[:, 2, 2]), 1.0, atol=1e-12)
+
+
 def test_legs_that_hold_the_pelvis_leave_the_torso_free(melson: Robot, tmp_path: Path):
     path = tmp_path / "boxes.urdf"
     path.write_text(Biped(leg=FULL_LEG[1:]).urdf())

@@ -10,7 +10,7 @@ from mgs.core.arrays import Array
 from mgs.core.constants import COM_TOLERANCE
 from mgs.core.contact import Side
 from mgs.core.errors import ConfigError
-from mgs.core.geometry import quat_xyzw_from_yaw, rotations_from_quat_xyzw, yaw_from_quat_xyzw
+from mgs.core.geometry import quat_xyzw_from_yaw, rotations_from_quat_xyzw
 from mgs.ik_solver.residuals import position_rows, turn_rows
 from mgs.ik_solver.rotations import turns_between
 from mgs.ik_solver.tree.tasks import (
@@ -51,14 +51,20 @@ def torso_targets(robot: Robot, tasks: TaskTrajectory, mode: TorsoMode) -> Array
     """Rotations (N, 3, 3) that the torso shall keep; None: it is free.
 
     `hold` keeps the orientation of the half-sitting posture, turned with the soles; `upright` keeps
-    its heading alone, with the torso's z axis vertical. Legs that lack a turn of the sole hold the
-    pelvis already and leave no room for the torso.
+    its heading alone, with that axis of the torso frame vertical which is nearest to it: the frames
+    of many robots have another axis than z along the trunk. Legs that lack a turn of the sole hold
+    the pelvis already and leave no room for the torso.
     """
     if mode == "free" or missing_turn(robot) is not None:
         return None
+    R = rotations_from_quat_xyzw(tasks.torso)
     if mode == "hold":
-        return rotations_from_quat_xyzw(tasks.torso)
-    return rotations_from_quat_xyzw(quat_xyzw_from_yaw(yaw_from_quat_xyzw(tasks.torso)))
+        return R
+    i = int(np.abs(R[0, 2]).argmax())
+    z, x = np.sign(R[0, 2, i]) * np.eye(3)[i], np.eye(3)[(i + 1) % 3]
+    C = np.column_stack([x, np.cross(z, x), z])  # torso frame with z along the trunk
+    upright = quat_xyzw_from_yaw(np.arctan2((R @ C)[:, 1, 0], (R @ C)[:, 0, 0]))
+    return np.asarray(rotations_from_quat_xyzw(upright) @ C.T)
 
 
 def tree_targets(tasks: TaskTrajectory, com: Array, start: int, end: int) -> tuple[Array, Array]:
