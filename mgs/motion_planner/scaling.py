@@ -20,6 +20,7 @@ STEP_LENGTH, STEP_HEIGHT, ZMP_TOLERANCE = 0.12, 0.04, 5e-4  # in leg lengths
 SINGLE_SUPPORT, DOUBLE_SUPPORT = 2.0, 2.4  # in sqrt(L / g)
 QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT = 1.2, 0.5  # of robots that only sway their trunk
 QUICK_PASSES = 8  # passes of the dynamic filter for such robots
+REST = 1.8  # [s] before and after the steps; with less, hips exceed their RMS torque on some robots
 DIGITS = 4  # decimal places of derived values
 
 
@@ -48,6 +49,8 @@ def _walk_sizes(gait: WalkGait, robot: Robot) -> dict[str, Any]:
         "step_height": round(STEP_HEIGHT * length, DIGITS),
         "single_support": _whole(single * time, gait.dt),
         "double_support": _whole(double * time, gait.dt),
+        "lead_in": REST,
+        "lead_out": REST,
     }
 
 
