@@ -6,6 +6,7 @@ from mgs.robot.collision_shapes import shape_corners
 from mgs.robot.legs import missing_turn
 from mgs.robot.limbs import arm_mask, leg_joints, leg_length, leg_mask, midpoint_width
 from mgs.robot.load import find_robot, list_robots, load_robot
+from mgs.robot.motors import Motors, MotorSpec, motors_of, read_motors
 from mgs.robot.robot import Robot
 from mgs.robot.servo_spec import ServoSpec
 from mgs.robot.servos import Servos, is_modelled, pd_servos, servo_sources, servos_of
@@ -15,6 +16,8 @@ __all__ = [
     "FLOATING_BASE_NQ",
     "FLOATING_BASE_NV",
     "FrameSpec",
+    "MotorSpec",
+    "Motors",
     "Robot",
     "RobotSpec",
     "ServoSpec",
@@ -31,7 +34,9 @@ __all__ = [
     "load_robot",
     "midpoint_width",
     "missing_turn",
+    "motors_of",
     "pd_servos",
+    "read_motors",
     "servo_sources",
     "servos_of",
     "shape_corners",

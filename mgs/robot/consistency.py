@@ -11,6 +11,7 @@ import pinocchio as pin
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.core.errors import ConfigError
+from mgs.robot.motors import repeated_ids
 from mgs.robot.spec import MAX_ANGLE, MAX_LENGTH, MAX_MASS, FrameSpec, RobotSpec
 
 
@@ -27,6 +28,7 @@ def require_known_names(
     _check_links(spec, model, problems)
     _check_servos(spec, names, problems)
     _check_joint_names(spec, names, problems)
+    problems += repeated_ids(spec.motors)
     if problems:
         raise ConfigError(source, problems)
 
@@ -108,6 +110,7 @@ def _check_joint_names(spec: RobotSpec, names: tuple[str, ...], problems: list[s
         "joints": spec.joints,
         "posture": spec.posture,
         "limits": spec.limits,
+        "motors": spec.motors,
     }
     named |= {f"groups.{group}": members for group, members in spec.groups.items()}
     for key, members in named.items():

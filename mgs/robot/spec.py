@@ -9,6 +9,7 @@ from pydantic import Field
 
 from mgs.core.config import FormatVersion, Model, build
 from mgs.core.yaml_text import parse_yaml
+from mgs.robot.motors import MotorSpec
 from mgs.robot.servo_spec import ServoSpec
 
 MAX_LENGTH, MAX_MASS, MAX_ANGLE = 10.0, 1e4, 100.0  # [m], [kg], [rad]; larger: probably wrong unit
@@ -104,6 +105,11 @@ class RobotSpec(Model):
         {},
         description="Joint limits that are narrower than those of the URDF, by name of the joint: "
         "lower, upper [rad].",
+    )
+    motors: dict[str, MotorSpec] = Field(
+        {},
+        description="Motor of each joint on the bus of the robot, by name of the joint: for files "
+        "and programs that command motors. A robot without motors has none of these.",
     )
     groups: dict[str, list[str]] = Field(
         {},
