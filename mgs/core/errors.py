@@ -16,6 +16,8 @@ MgsError                     exit code 1: the work could not be done
 ├── CycleError               a motion has no two steps that could be repeated
 ├── SimulationError          an engine is missing, or its model differs from Pinocchio's
 │   └── DivergenceError      the simulation has produced values that are not finite
+├── HardwareError            a servo, or the port to it, does not do what it should
+├── LogError                 a log cannot be compared with a motion
 └── OutputExistsError        a file is in the way
 """
 
@@ -195,6 +197,14 @@ class SimulationError(MgsError):
 
 class DivergenceError(SimulationError):
     """A simulation has produced values that are not finite."""
+
+
+class HardwareError(MgsError):
+    """A servo, or the port to it, does not do what it should."""
+
+
+class LogError(MgsError):
+    """A log of a robot cannot be compared with a motion: it is too short, still or ambiguous."""
 
 
 class OutputExistsError(MgsError):

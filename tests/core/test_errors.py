@@ -14,11 +14,13 @@ from mgs.core.errors import (
     CycleError,
     DivergenceError,
     FootstepError,
+    HardwareError,
     IkError,
     InfeasibleGaitError,
     InputError,
     JointLimitError,
     JointSpeedError,
+    LogError,
     MgsError,
     MotionFileError,
     OutputExistsError,
@@ -44,6 +46,8 @@ EXAMPLES = [
     CycleError("no two steps"),
     SimulationError("no engine"),
     DivergenceError("diverged"),
+    HardwareError("servo 3 does not answer"),
+    LogError("too short"),
     OutputExistsError("a.mcap"),
 ]
 
