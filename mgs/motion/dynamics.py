@@ -25,7 +25,7 @@ class WholeBodyMotion:
     """Kinematics and inverse dynamics at every sample; world frame, first axis time."""
 
     q: Array  # (N, 7 + n)
-    v: Array  # (N, 6 + n) central differences
+    v: Array  # (N, 6 + n) central differences, 0 at both ends
     a: Array  # (N, 6 + n)
     com: Array  # (N, 3)
     zmp: Array  # (N, 2) multibody ZMP, at the height of the soles as they share the load
@@ -90,12 +90,19 @@ def align_quaternion_signs(quat: Array) -> None:
 
 
 def differentiate(robot: Robot, q: Array, dt: float) -> tuple[Array, Array]:
-    """Velocities and accelerations (N, 6 + n) of q (N, 7 + n) by central differences."""
+    """Velocities and accelerations (N, 6 + n) of q (N, 7 + n) by central differences.
+
+    At the first and at the last sample the velocity is exactly 0, since the robot is at rest before
+    and after: controllers of ros2_control refuse a trajectory whose last point moves. A jump there
+    shows in the acceleration.
+    """
     forward = np.zeros((len(q) + 1, FLOATING_BASE_NV + robot.n))  # row k: from sample k-1 to k
     for k in range(1, len(q)):
         forward[k] = pin.difference(robot.model, q[k - 1], q[k])
     forward /= dt
-    return 0.5 * (forward[1:] + forward[:-1]), (forward[1:] - forward[:-1]) / dt
+    velocity, acceleration = 0.5 * (forward[1:] + forward[:-1]), (forward[1:] - forward[:-1]) / dt
+    velocity[0] = velocity[-1] = 0.0
+    return velocity, acceleration
 
 
 def analyse(

@@ -31,7 +31,7 @@ class Motion:
     footsteps: tuple[Footstep, ...]
     support: NDArray[np.int8]  # (N,) values of Support
     q: Array  # (N, 7 + n) base position, base quaternion xyzw, joint angles
-    v: Array  # (N, 6 + n) base twist in the base frame, joint velocities (central differences)
+    v: Array  # (N, 6 + n) base twist in the base frame, joint velocities; 0 at both ends
     torque: Array  # (N, n) joint torques predicted by inverse dynamics [N m]
     com: Array  # (N, 3) reached by the joints
     com_ref: Array  # (N, 3) asked by stage 3

@@ -37,7 +37,8 @@ Topics with a single message, at 1 s:
     /robot_description      URDF
     /tf_static              poses of the links that are fixed to others
     /footsteps              soles on the ground, as boxes
-    /joint_trajectory       joint angles and velocities of all samples, for ros2_control
+    /joint_trajectory       joint angles, velocities and accelerations of all samples, for
+                            ros2_control; the first and the last velocity are 0
     /com_path, /zmp_path    paths of CoM and ZMP; of a long motion 4000 points of them
     /scene                  boxes and balls on the ground
     /soles                  soles as boxes in the frames of the feet, which move with /tf

@@ -113,8 +113,19 @@ class TrajectoryMessage:
         return {
             "positions": self.motion.q[samples, FLOATING_BASE_NQ:],
             "velocities": self.motion.v[samples, FLOATING_BASE_NV:],
+            "accelerations": joint_accelerations(self.motion, samples),
             "time": self.times[samples],
         }
+
+
+def joint_accelerations(motion: Motion, samples: slice) -> Array:
+    """Accelerations (m, n) of the joints [rad/s^2] at m samples in a row, by second differences.
+
+    The robot is at rest before the first sample and after the last one.
+    """
+    begin, end, _ = samples.indices(motion.n_samples)
+    around = np.clip(np.arange(begin - 1, end + 1), 0, motion.n_samples - 1)
+    return np.diff(motion.q[around, FLOATING_BASE_NQ:], n=2, axis=0) / motion.dt**2
 
 
 def trajectory_message(motion: Motion) -> TrajectoryMessage:
@@ -123,12 +134,13 @@ def trajectory_message(motion: Motion) -> TrajectoryMessage:
     point = {
         "positions": Slot("positions", n),
         "velocities": Slot("velocities", n),
+        "accelerations": Slot("accelerations", n),
         "time_from_start": Slot("time", 2, "<i4"),
     }
     points = Counted(motion.n_samples, [point])
     value = {"joint_names": motion.robot.joint_names, "points": points}
     head = message_layout("trajectory_msgs/JointTrajectory", value)
-    # a point ends at a multiple of 8 bytes, so all but the first are laid out alike
+    # a point ends 4 bytes after a multiple of 8, so all but the first are laid out alike
     rest = element_layout("trajectory_msgs/JointTrajectoryPoint", point, head.size - 4)
     times = stamps_ns(motion.n_samples, motion.dt) - np.uint64(START_NS)
     return TrajectoryMessage(motion, split_stamps(times), head, rest)

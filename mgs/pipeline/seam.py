@@ -14,7 +14,7 @@ import numpy as np
 import mgs
 from mgs.com_generator.from_positions import follow_com
 from mgs.core.arrays import Array
-from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
+from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.core.contact import Side, Support
 from mgs.core.errors import InfeasibleGaitError, SeamError
 from mgs.core.geometry import quintic, rotation_angles
@@ -60,8 +60,9 @@ def refuse_shifted_soles(before: Motion, after: Motion, part: str) -> None:
 def refuse_moving_joints(before: Motion, after: Motion, part: str) -> None:
     """Raise SeamError unless both are at rest at the seam."""
     names = [f"the speed of {name}" for name in before.robot.joint_names]
-    # the velocity at an end is half of the one-sided difference
-    speeds = 2.0 * np.abs(np.stack([before.v[-1], after.v[0]])[:, FLOATING_BASE_NV:]).max(axis=0)
+    steps = [np.diff(q[:, FLOATING_BASE_NQ:], axis=0) for q in (before.q[-2:], after.q[:2])]
+    # not `v`, which is 0 at the ends; a part of one sample does not move
+    speeds = np.abs(np.concatenate(steps)).max(axis=0, initial=0.0) / before.dt
     _refuse(part, (speeds, names, SPEED_TOLERANCE, "rad/s", REST))
 
 

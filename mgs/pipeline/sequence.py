@@ -73,7 +73,7 @@ def _continued(before: Motion, stages: Stages, label: str, duration: float) -> l
         )
     end = moved(last_sample(before), by.inverse)
     refuse_shifted_soles(end, stages.motion, label)
-    refuse_moving_joints(end, stages.motion, label)
+    refuse_moving_joints(before, stages.motion, label)
     motions = [stages.motion]
     try:
         refuse_other_posture(end, stages.motion, label)

@@ -30,6 +30,7 @@ from mcap.reader import NonSeekingReader, make_reader
 from mcap.records import Chunk, MessageIndex, Statistics
 from mcap.stream_reader import StreamReader
 from mcap_ros2.decoder import DecoderFactory
+from numpy.testing import assert_allclose
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
@@ -39,6 +40,7 @@ from mgs.core.contact import Side, Support
 from mgs.core.errors import MgsError, MotionFileError, OutputExistsError
 from mgs.gait import BalanceGait
 from mgs.motion import Motion
+from mgs.motion.dynamics import differentiate
 from mgs.motion.servo_commands import servo_commands
 from mgs.motion_file import read_info, read_motion, write_motion
 from mgs.motion_file.cdr import message_layout
@@ -356,6 +358,9 @@ def test_the_trajectory_is_the_whole_motion_starting_now(messages: Any, motion: 
     assert tuple(trajectory.joint_names) == motion.robot.joint_names
     assert np.array_equal([p.positions for p in trajectory.points], motion.q[:, 7:])
     assert np.array_equal([p.velocities for p in trajectory.points], motion.v[:, 6:])
+    _, accelerations = differentiate(motion.robot, motion.q, motion.dt)
+    read = [p.accelerations for p in trajectory.points]
+    assert_allclose(read, accelerations[:, 6:], rtol=0.0, atol=1e-7 * np.abs(accelerations).max())
     starts = [stamp_ns(p.time_from_start) + START_NS for p in trajectory.points]
     assert starts == times_ns(motion)
 
