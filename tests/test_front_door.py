@@ -405,8 +405,10 @@ def test_export_writes_what_the_command_writes(
 
 
 def test_export_refuses_unknown_formats_and_existing_files(walk: mgs.Motion, tmp_path: Path):
-    with pytest.raises(mgs.ConfigError, match="format: 'xml' is unknown; use csv or npz"):
+    with pytest.raises(mgs.ConfigError, match=r"walk.xml does not end with \.csv or"):
         mgs.export(walk, tmp_path / "walk.xml")
+    with pytest.raises(mgs.ConfigError, match=r"format: 'xml' is unknown; known: csv, npz, "):
+        mgs.export(walk, tmp_path / "walk.xml", "xml")
     mgs.export(walk, tmp_path / "walk.csv")
     with pytest.raises(mgs.OutputExistsError):
         mgs.export(walk, tmp_path / "walk.csv")

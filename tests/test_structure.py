@@ -117,6 +117,7 @@ def test_modules_that_import_by_name_are_known():
         "mgs.core.former_paths",
         "mgs.core.plugins",  # solvers and generators, those of mgs among them
         "mgs.experiments",  # one of its own studies
+        "mgs.motion_file.formats.format",  # the module of a format
         "mgs.motion.motion",  # its picture in a notebook
     }
 

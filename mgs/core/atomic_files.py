@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import secrets
+import shutil
 import stat
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -52,6 +53,69 @@ def replacing(path: Path) -> Iterator[BinaryIO]:
             part.replace(path)
         finally:  # after KeyboardInterrupt too
             part.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def replacing_path(path: Path, *, folder: bool, force: bool = False) -> Iterator[Path]:
+    """Path beside `path` for a file or folder that takes its place when all went well.
+
+    Args:
+        path: the file or folder.
+        folder: True: what is given is an empty folder; False: nothing is there.
+        force: True: a folder at `path` is replaced if no other files are in it than the new ones.
+
+    Raises:
+        OutputExistsError: something is there and `force` is not set, or a folder is in the place
+            of a file.
+        MgsError: a link, a device or a pipe is there, or a folder with other files.
+    """
+    refuse_place(path, folder, force)
+    with _new_folders(path.parent):
+        part = part_of(path)
+        try:
+            if folder:
+                part.mkdir()
+            yield part
+            refuse_place(path, folder, force)
+            if folder and path.is_dir():
+                _replace_folder(path, part)
+            else:
+                part.replace(path)
+        finally:  # after KeyboardInterrupt too
+            if part.is_dir():
+                shutil.rmtree(part, ignore_errors=True)
+            part.unlink(missing_ok=True)
+
+
+def refuse_place(path: Path, folder: bool, force: bool) -> None:
+    """Refuse to write a file, or a folder, as `replacing_path` would; for a check before the work.
+
+    Raises:
+        OutputExistsError, MgsError: as `replacing_path`.
+    """
+    if not (folder and force and path.is_dir() and not path.is_symlink()):
+        refuse_taken(path, force)
+
+
+def _replace_folder(path: Path, part: Path) -> None:
+    if others := sorted(_files_below(path) - _files_below(part)):
+        raise MgsError(
+            f"{path}: holds {others[0]}, which is not replaced; use -o to write elsewhere"
+        )
+    former = part_of(path)
+    path.replace(former)
+    try:
+        part.replace(path)
+    except OSError:
+        former.replace(path)
+        raise
+    shutil.rmtree(former)
+
+
+def _files_below(folder: Path) -> set[str]:
+    """Everything in a folder but the folders in it, by its path from there."""
+    entries = (path for path in folder.rglob("*") if path.is_symlink() or not path.is_dir())
+    return {path.relative_to(folder).as_posix() for path in entries}
 
 
 def replace_file(path: Path, content: bytes) -> None:

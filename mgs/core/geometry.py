@@ -84,6 +84,35 @@ def slerp(quat_a: ArrayLike, quat_b: ArrayLike, part: ArrayLike) -> Array:
     return np.asarray(weight_a * a + weight_b * b)
 
 
+def quat_conjugate(quat: ArrayLike) -> Array:
+    """Inverses (..., 4) of unit quaternions (..., 4)."""
+    return np.asarray(quat, dtype=float) * np.array([-1.0, -1.0, -1.0, 1.0])
+
+
+def rotate(quat: ArrayLike, vector: ArrayLike) -> Array:
+    """Vectors (..., 3) turned by unit quaternions (..., 4)."""
+    q, v = np.asarray(quat, dtype=float), np.asarray(vector, dtype=float)
+    twice = 2.0 * np.cross(q[..., :3], v)
+    return np.asarray(v + q[..., 3:] * twice + np.cross(q[..., :3], twice))
+
+
+def rotvec_from_quat_xyzw(quat: ArrayLike) -> Array:
+    """Rotation vectors (..., 3) [rad] of unit quaternions (..., 4), of length pi at most."""
+    q = np.asarray(quat, dtype=float)
+    q = np.where(q[..., 3:] < 0.0, -q, q)
+    sine = np.linalg.norm(q[..., :3], axis=-1, keepdims=True)
+    angle = 2.0 * np.arctan2(sine, q[..., 3:])
+    factor = np.where(sine < 1e-12, 2.0, angle / np.where(sine < 1e-12, 1.0, sine))
+    return np.asarray(factor * q[..., :3])
+
+
+def quat_xyzw_from_rotvec(rotvec: ArrayLike) -> Array:
+    """Unit quaternions (..., 4) of rotation vectors (..., 3) [rad]."""
+    half = 0.5 * np.asarray(rotvec, dtype=float)
+    angle = np.linalg.norm(half, axis=-1, keepdims=True)
+    return np.concatenate([np.sinc(angle / np.pi) * half, np.cos(angle)], axis=-1)
+
+
 def rotations_from_quat_xyzw(quat: ArrayLike) -> Array:
     """Rotation matrices (..., 3, 3) of unit quaternions (..., 4)."""
     x, y, z, w = np.moveaxis(np.asarray(quat, dtype=float), -1, 0)

@@ -22,6 +22,7 @@ MAX_SHAPES = 200  # collision shapes in a robot folder; the number of pairs grow
 MAX_STEPS = 20_000  # of a walk
 MAX_SAMPLES = 2_000_000  # of one motion, a sequence included; their arrays take about 5 GB
 MAX_PARTS = 1000  # of a sequence
+MAX_RATE = 10_000  # [Hz] of an export, which is faster than any bus of servos
 
 # Motion files
 MAX_RECORD = 1 << 28  # [bytes] of a record or an unpacked chunk
@@ -30,6 +31,8 @@ MAX_RATIO = 100  # largest ratio of the unpacked size of all chunks to the size 
 MAX_ATTACHMENT = 2_000_000  # [bytes] of the gait in a motion file, which has all defaults
 MAX_BOXES = 1000  # on the floor
 MAX_BALLS = 10  # on the floor
+MAX_RECORDING = 1_000_000_000  # [bytes] of a motion in a format of another program, unpacked
+MAX_CHANNELS = 3000  # columns of such a motion, or joints or links of it
 
 # Sweeps and gait libraries
 MAX_GAITS = 1_000_000  # of a library

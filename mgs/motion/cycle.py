@@ -7,7 +7,8 @@ at s = j / P of it:
     q_cycle[j] = q[k + j] - d s - e P dt (s^2 - s) / 2
 
 so that the cycle begins where the walk is at sample k, and ends as it begins. k is the sample with
-the least difference, of all whose step is neither the first nor the last.
+the least difference, of all whose step is neither the first nor the last. The base is treated alike
+(`mgs.motion.cycle_base`): after a cycle it is where it was, moved by the displacement.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from mgs.core.geometry import compose_planar, planar_inverse, planar_middle
 from mgs.core.short_repr import short_repr
 from mgs.core.spans import span_starts
 from mgs.gait.remedies import remedies_for
+from mgs.motion.cycle_base import Advance, made_periodic, periodic_base
 from mgs.motion.motion import Motion
 
 JOINT_TOLERANCE = 0.02  # [rad], about 1 mm at a sole
@@ -39,7 +41,9 @@ class Cycle:
     start: int  # sample of the motion at which it begins
     position: Array  # (P, n) joint angles [rad]
     velocity: Array  # (P, n) central differences across the wrap [rad/s]
+    base: Array  # (P, 7) pose of the base, seen from the middle of the soles at its beginning
     displacement: Array  # (3,) of the middle of the soles in its own frame: x, y [m], yaw [rad]
+    rise: float  # of the middle of the soles [m], on stairs
     mismatch: float  # d, largest of a joint [rad]
     joint: str  # that it is of
 
@@ -72,16 +76,21 @@ def find_cycle(motion: Motion) -> Cycle:
     with remedies_for(motion.gait):
         _refuse(motion, worst, abs(float(d[worst])), "rad", JOINT_TOLERANCE)
         _refuse(motion, fastest, abs(float(e[fastest])), "rad/s", SPEED_TOLERANCE)
-    s = (np.arange(period) / period)[:, None]
     joints = motion.q[k : k + period, FLOATING_BASE_NQ:]
-    position = joints - d * s - e * (0.5 * period * motion.dt) * (s**2 - s)
+    position = made_periodic(joints, d, e, motion.dt)
     ahead, behind = np.roll(position, -1, axis=0), np.roll(position, 1, axis=0)
-    middle = planar_middle(motion.soles_ref[[k, k + period]])
+    soles = motion.soles_ref[[k, k + period]]
+    middle, heights = planar_middle(soles), soles[:, :, 2].mean(axis=1)
+    displacement = compose_planar(planar_inverse(middle[0]), middle[1])
+    rise = float(heights[1] - heights[0])
+    start = np.array([*middle[0, :2], heights[0]]), float(middle[0, 2])
     return Cycle(
         start=k,
         position=position,
         velocity=(ahead - behind) / (2.0 * motion.dt),
-        displacement=compose_planar(planar_inverse(middle[0]), middle[1]),
+        base=periodic_base(motion, slice(k, k + period), start, Advance(displacement, rise)),
+        displacement=displacement,
+        rise=rise,
         mismatch=abs(float(d[worst])),
         joint=motion.robot.joint_names[worst],
     )

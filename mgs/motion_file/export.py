@@ -1,53 +1,90 @@
-"""Joint angles for other tools: CSV and NumPy's npz.
-
-CSV: a head line `time, position.JOINT ..., velocity.JOINT ...`, then one line per sample; numbers
-read back exactly. npz: `time` (N,), `position` and `velocity` (N, n), `joint_names` (n,) and `dt`;
-of a cycle also its `displacement` (3,), x, y and yaw. Units are s, rad, rad/s and m.
-"""
+"""Motions for other programs, in the formats of `mgs.motion_file.formats`."""
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Callable
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO
 
-import numpy as np
-
-from mgs.core.arrays import Array
-from mgs.core.atomic_files import refuse_taken, replacing
-from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
+from mgs.core.atomic_files import refuse_place, replacing_path
 from mgs.core.errors import ConfigError, MgsError
+from mgs.core.foreign import told_as
+from mgs.core.short_repr import short_repr
 from mgs.core.wrong_type import given_path
 from mgs.motion import Motion
 from mgs.motion.cycle import Cycle, find_cycle
+from mgs.motion.sampled import SampledMotion, sample
+from mgs.motion_file.formats import FORMATS, Format, Options, Written, find_format
 from mgs.motion_file.read import read_motion
+from mgs.robot.orders import Order
+
+
+@dataclass(frozen=True, eq=False)
+class Exported:
+    """What an export has written, and where."""
+
+    path: Path
+    format: Format
+    sampled: SampledMotion
+    written: Written
+
+    __repr__ = short_repr
 
 
 def export_motion(
-    motion: Motion, path: Path, fmt: str, cycle: Cycle | None = None, *, force: bool = False
-) -> None:
-    """Write the joint angles of a motion, or of one cycle of it.
+    motion: Motion,
+    path: Path,
+    fmt: str,
+    cycle: Cycle | None = None,
+    *,
+    fps: float | None = None,
+    options: Options | None = None,
+    force: bool = False,
+) -> Exported:
+    """Write a motion, or one cycle of it.
 
     Args:
         motion: what to write.
-        path: the file; its folder is made if missing.
+        path: the file or folder; the folder that it is in is made if missing.
         fmt: a key of `FORMATS`.
         cycle: of this motion; None: all of it.
-        force: replace an existing file.
+        fps: frames per second [Hz]; None: those that readers of the format expect (of a cycle, the
+            nearest rate at which it is a whole number of frames), or the planned samples.
+        options: joints and order; None: those of the format.
+        force: replace an existing file, or a folder in which nothing else is.
 
     Raises:
+        ConfigError: no such format or joint, or the rate does not fit.
         OutputExistsError: there is a file and `force` is not set.
-        MgsError: the file cannot be written.
+        MgsError: the file cannot be written, or a library that the format needs is not installed.
     """
-    refuse_taken(path, force)
+    chosen = find_format(fmt)
+    refuse_place(path, not chosen.suffix, force)
+    rate = chosen.fps if fps is None else fps
+    sampled = sample(motion, rate, cycle, closed=chosen.closed, nearest=fps is None)
+    return write_sampled(sampled, path, chosen, options, force=force)
+
+
+def write_sampled(
+    sampled: SampledMotion,
+    path: Path,
+    fmt: Format,
+    options: Options | None = None,
+    *,
+    force: bool = False,
+) -> Exported:
+    """Write frames of a motion; see `export_motion` for arguments and errors."""
+
+    def failed(reason: str) -> MgsError:
+        return MgsError(f"{path}: cannot be written as {fmt.name}: {reason}")
+
     try:
-        with replacing(path) as stream:
-            FORMATS[fmt](motion, cycle, stream)
+        with replacing_path(path, folder=not fmt.suffix, force=force) as part, told_as(failed):
+            written = fmt.write(sampled, part, options or Options())
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise MgsError(f"{path}: cannot be written: {reason}") from error
+    return Exported(path, fmt, sampled, written)
 
 
 def export(
@@ -55,23 +92,31 @@ def export(
     path: str | Path,
     format: str | None = None,
     *,
+    fps: float | None = None,
+    joints: Sequence[str] | None = None,
+    order: Order | None = None,
     cycle: bool = False,
     force: bool = False,
 ) -> Path:
-    """Write the joint angles and velocities of a motion for other tools.
+    """Write a motion for other programs.
 
     Args:
         motion: a motion or the path of a motion file.
-        path: the file to write; its folder is made if missing.
-        format: "csv" or "npz"; None: the one that the path ends with.
+        path: the file or folder to write; the folder that it is in is made if missing.
+        format: such as "csv", "npz" or "unitree-csv", see `mgs export --help`; None: csv or npz,
+            whichever the path ends with.
+        fps: frames per second [Hz]; None: those that readers of the format expect, or the planned
+            samples.
+        joints: names of the joints to write, in this order; None: all, in the order of the format.
+        order: "depth-first" or "breadth-first" order of joints and links; None: that of the format.
         cycle: two steps from the middle of a walk, made exactly periodic, instead of all of it.
         force: replace an existing file.
 
     Returns:
-        The file.
+        The file or folder.
 
     Raises:
-        ConfigError: there is no such format.
+        ConfigError: there is no such format or joint, or the rate does not fit.
         MotionFileError: the motion file is missing or damaged.
         CycleError: the motion has no two steps that could be repeated.
         OutputExistsError: there is a file and `force` is not set.
@@ -80,45 +125,14 @@ def export(
     """
     path = given_path(path)
     wanted = path.suffix.removeprefix(".") if format is None else format
-    if wanted not in FORMATS:
-        raise ConfigError("format", f"{wanted!r} is unknown; use {' or '.join(FORMATS)}")
+    if format is None and wanted not in ("csv", "npz"):
+        raise ConfigError(
+            "format",
+            f"{path.name} does not end with .csv or .npz; name one of {', '.join(FORMATS)}",
+        )
+    find_format(wanted)
     given = read_motion(motion)
-    export_motion(given, path, wanted, find_cycle(given) if cycle else None, force=force)
+    options = Options(None if joints is None else tuple(joints), order)
+    found = find_cycle(given) if cycle else None
+    export_motion(given, path, wanted, found, fps=fps, options=options, force=force)
     return path
-
-
-def _joints(motion: Motion, cycle: Cycle | None) -> tuple[Array, Array, Array]:
-    """Sample times (N,) [s], joint positions (N, n) [rad] and velocities (N, n) [rad/s]."""
-    if cycle is None:
-        position, velocity = motion.q[:, FLOATING_BASE_NQ:], motion.v[:, FLOATING_BASE_NV:]
-    else:
-        position, velocity = cycle.position, cycle.velocity
-    return np.round(motion.dt * np.arange(len(position)), 9), position, velocity
-
-
-def _write_csv(motion: Motion, cycle: Cycle | None, stream: BinaryIO) -> None:
-    time, position, velocity = _joints(motion, cycle)
-    names = motion.robot.joint_names
-    head = [f"{quantity}.{name}" for quantity in ("position", "velocity") for name in names]
-    text = io.TextIOWrapper(stream, encoding="utf-8", newline="", write_through=True)
-    writer = csv.writer(text)
-    writer.writerow(["time", *head])
-    writer.writerows(
-        [time[k].item(), *position[k].tolist(), *velocity[k].tolist()] for k in range(len(time))
-    )
-    text.detach()  # the stream is closed by who opened it
-
-
-def _write_npz(motion: Motion, cycle: Cycle | None, stream: BinaryIO) -> None:
-    time, position, velocity = _joints(motion, cycle)
-    arrays: dict[str, Any] = {"time": time, "position": position, "velocity": velocity}
-    arrays |= {"joint_names": np.array(motion.robot.joint_names), "dt": motion.dt}
-    if cycle is not None:
-        arrays["displacement"] = cycle.displacement
-    np.savez(stream, **arrays)
-
-
-FORMATS: dict[str, Callable[[Motion, Cycle | None, BinaryIO], None]] = {
-    "csv": _write_csv,
-    "npz": _write_npz,
-}

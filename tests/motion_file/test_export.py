@@ -11,7 +11,9 @@ import pytest
 from mgs.core.errors import MgsError, OutputExistsError
 from mgs.motion import Motion
 from mgs.motion.cycle import find_cycle
-from mgs.motion_file.export import FORMATS, export_motion
+from mgs.motion_file.export import export_motion
+from mgs.motion_file.formats import FORMATS
+from tests.support.commands import files_below
 from tests.support.shipped import generated
 
 
@@ -58,17 +60,21 @@ def test_an_npz_file_reads_back_exactly(walk: Motion, whole: bool, tmp_path: Pat
         assert len(found["time"]) == len(found["position"])
 
 
+def content(path: Path) -> bytes | dict[str, bytes]:
+    return files_below(path) if path.is_dir() else path.read_bytes()
+
+
 @pytest.mark.parametrize("fmt", FORMATS)
 def test_an_export_is_reproducible_and_overwrites_nothing_unasked(
     walk: Motion, fmt: str, tmp_path: Path
 ):
     path = tmp_path / "a"
     export_motion(walk, path, fmt)
-    first = path.read_bytes()
+    first = content(path)
     with pytest.raises(OutputExistsError):
         export_motion(walk, path, fmt)
     export_motion(walk, path, fmt, force=True)
-    assert path.read_bytes() == first
+    assert content(path) == first
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -80,3 +86,38 @@ def test_an_export_that_cannot_be_written_raises_an_error_and_leaves_no_file(
     with pytest.raises(MgsError, match="cannot be written"):
         export_motion(walk, tmp_path / "file/a", fmt)
     assert [p.name for p in tmp_path.iterdir()] == ["file"]
+
+
+@pytest.mark.parametrize("fmt", [name for name, found in FORMATS.items() if not found.suffix])
+def test_a_folder_with_other_files_is_never_replaced(walk: Motion, fmt: str, tmp_path: Path):
+    export_motion(walk, tmp_path / "a", fmt)
+    (tmp_path / "a/notes.txt").write_text("mine")
+    before = files_below(tmp_path)
+    with pytest.raises(MgsError, match=r"holds notes.txt, which is not replaced"):
+        export_motion(walk, tmp_path / "a", fmt, force=True)
+    assert files_below(tmp_path) == before
+
+
+@pytest.mark.parametrize("fmt", [name for name, found in FORMATS.items() if found.readable])
+def test_an_export_reads_back_within_the_resolution_of_its_format(
+    walk: Motion, fmt: str, tmp_path: Path
+):
+    exported = export_motion(walk, tmp_path / "a", fmt)
+    recorded = FORMATS[fmt].read(tmp_path / "a", walk.robot)
+    names, sampled = exported.written.joints, exported.sampled
+    assert recorded.joint_names in (None, names)
+    index = [walk.robot.joint_names.index(name) for name in names]
+    assert np.abs(recorded.joints - sampled.joints[:, index]).max() <= FORMATS[fmt].resolution
+    assert recorded.fps is None or recorded.fps == pytest.approx(sampled.fps, rel=1e-6)
+    if recorded.base_position is not None:
+        assert np.abs(recorded.base_position - sampled.base_position).max() < 1e-6
+        along = np.abs(np.sum(recorded.base_quat_xyzw * sampled.base_quat_xyzw, axis=1))
+        assert np.abs(along - 1.0).max() < 1e-6
+
+
+@pytest.mark.parametrize("fmt", FORMATS)
+def test_every_format_describes_its_layout(fmt: str):
+    layout = FORMATS[fmt].layout
+    assert layout.startswith(f"{fmt}: ")
+    assert len(layout.splitlines()) > 3
+    assert len(FORMATS[fmt].summary) < 80 - 22

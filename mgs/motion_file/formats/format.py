@@ -1,0 +1,148 @@
+"""What a format of motions is: its name, how to write it and how to read it.
+
+The module of a format has two functions:
+
+    write(sampled: SampledMotion, path: Path, options: Options) -> Written
+    read(path: Path, robot: Robot | None) -> RecordedMotion
+
+`write` makes the file, or files in the folder, that `path` names; nothing else is there, and
+whoever calls it puts the result in its place when it is complete. A format that holds no motion
+which could be read back has no `read`. The docstring of the module states the layout: keys, shapes,
+units, order of joints and links, order of quaternions. Users read it (`mgs export --layout NAME`).
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mgs.core.errors import ConfigError, MgsError
+from mgs.core.plugins import unknown_name
+from mgs.motion.sampled import SampledMotion
+from mgs.motion_file.formats.recorded import RecordedMotion
+from mgs.robot import Robot
+from mgs.robot.orders import Links, Order, robot_order
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a user chose for one export."""
+
+    joints: tuple[str, ...] | None = None  # in this order; None: all, in the order of the format
+    order: Order | None = None  # of joints and links; None: that of the format
+    links: Links = "moving"
+
+
+@dataclass(frozen=True)
+class Written:
+    """What a file holds, to be told to the user."""
+
+    joints: tuple[str, ...]  # in the order of the file
+    links: tuple[str, ...] = ()  # in the order of the file; empty: it has none
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Format:
+    """A format of motions; the module that writes and reads it is imported when it is used."""
+
+    name: str
+    summary: str  # one line
+    suffix: str  # of its files, such as ".csv"; "": a folder
+    module: str
+    fps: float | None = None  # that its readers expect [Hz]; None: any, so the planned samples
+    closed: bool = False  # True: a cycle ends with its first frame
+    resolution: float = 0.0  # of a joint angle, which it may come back wrong by [rad]
+    extra: str = ""  # of mgs, which installs the libraries that it needs
+
+    def write(self, sampled: SampledMotion, path: Path, options: Options) -> Written:
+        """Write a motion where nothing is yet.
+
+        Raises:
+            MgsError: a library that the format needs is not installed.
+        """
+        written: Written = self._module().write(sampled, path, options)
+        return written
+
+    def read(self, path: Path, robot: Robot | None = None) -> RecordedMotion:
+        """Motion in a file.
+
+        Args:
+            path: the file or folder.
+            robot: whose motion it is, for formats that do not name their joints; None: unknown.
+
+        Raises:
+            ConfigError, MotionFileError: the file is missing, damaged or of another layout.
+            MgsError: the format cannot be read, or a library that it needs is not installed.
+        """
+        module = self._module()
+        if not hasattr(module, "read"):
+            raise MgsError(f"{path}: files of format {self.name} cannot be read, only written")
+        recorded: RecordedMotion = module.read(path, robot)
+        return recorded
+
+    @property
+    def readable(self) -> bool:
+        """Whether its files can be read."""
+        return hasattr(self._module(), "read")
+
+    @property
+    def layout(self) -> str:
+        """Description of its files."""
+        return (self._module().__doc__ or "").strip()
+
+    def _module(self) -> ModuleType:
+        try:
+            return importlib.import_module(self.module)
+        except ModuleNotFoundError as error:
+            if (error.name or "").startswith("mgs"):
+                raise
+            raise needs(self.name, error.name or "", self.extra) from error
+
+
+def needs(name: str, library: str, extra: str) -> MgsError:
+    """Error of a format whose library is not installed."""
+    how = f"pip install 'mgs[{extra}]'" if extra else f"pip install {library}"
+    return MgsError(f"format {name} needs {library}, which is not installed; {how} installs it")
+
+
+def chosen_joints(
+    robot: Robot, options: Options, order: Order | None
+) -> tuple[tuple[str, ...], NDArray[np.intp]]:
+    """Joints that are written, and their indices in `Robot.joint_names`.
+
+    Args:
+        robot: the robot.
+        options: the user's choice.
+        order: of the format; None: that of `Robot.joint_names`.
+
+    Raises:
+        ConfigError: a joint is unknown or named twice.
+    """
+    known = robot.joint_names
+    if options.joints is not None:
+        names: Sequence[str] = options.joints
+        for name in names:
+            if name not in known:
+                raise ConfigError("joints", unknown_joint(name, robot))
+        if len(set(names)) < len(names) or not names:
+            raise ConfigError("joints", "name every joint once, and at least one")
+    elif (how := options.order or order) is not None:
+        names = robot_order(robot, how, options.links).joints
+    else:
+        names = known
+    return tuple(names), np.array([known.index(name) for name in names], dtype=np.intp)
+
+
+def unknown_joint(name: str, robot: Robot) -> str:
+    """What to say of a joint that a robot does not have."""
+    if name in robot.spec.locked:
+        return f"{name!r} is locked in robot.yaml of {robot.spec.name}, so it has no motion"
+    told = unknown_name(name, list(robot.joint_names)).replace("is not installed", "is no joint")
+    return f"{told}, of robot {robot.spec.name}"
