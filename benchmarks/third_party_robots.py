@@ -17,6 +17,7 @@ import tempfile
 from pathlib import Path
 
 DATA = "cmeel.prefix/share/example-robot-data/robots"
+PLAYGROUND = "mujoco_playground/_src/locomotion"
 FOURIER = "fourier_robot_descriptions/assets/urdf"
 ROBOTS = {  # in the order of packages: example-robot-data, icub-models, fourier, others
     "TALOS": f"{DATA}/talos_data/robots/talos_reduced.urdf",
@@ -37,6 +38,20 @@ ROBOTS = {  # in the order of packages: example-robot-data, icub-models, fourier
     "Qinglong": f"{FOURIER}/qinglong.urdf",
     "JVRC-1": "jvrc_description/urdf/jvrc1.urdf",
     "ARMAR-4": "armar/description/urdf/armar4.urdf",
+    "Unitree G1 (mjlab)": "mjlab/asset_zoo/robots/unitree_g1/xmls/g1.xml",
+    "Unitree G1 (holosoma)": "holosoma/data/robots/g1/g1_29dof.xml",
+    "Booster T1 (holosoma)": "holosoma/data/robots/t1/t1_29dof.xml",
+    "Apptronik Apollo": f"{PLAYGROUND}/apollo/xmls/scene_mjx_feetonly_flat_terrain.xml",
+    "Berkeley Humanoid": f"{PLAYGROUND}/berkeley_humanoid/xmls/scene_mjx_feetonly_flat_terrain.xml",
+    "Unitree G1 (playground)": f"{PLAYGROUND}/g1/xmls/scene_mjx_feetonly_flat_terrain.xml",
+    "Unitree H1": f"{PLAYGROUND}/h1/xmls/scene_mjx_feetonly.xml",
+    "ROBOTIS OP3": f"{PLAYGROUND}/op3/xmls/scene_mjx_feetonly.xml",
+    "Booster T1 (playground)": f"{PLAYGROUND}/t1/xmls/scene_mjx_feetonly_flat_terrain.xml",
+    "Humanoid (dm_control)": "dm_control/suite/humanoid.xml",
+    "Humanoid CMU (dm_control)": "dm_control/suite/humanoid_CMU.xml",
+    "Humanoid CMU, walker": "dm_control/locomotion/walkers/assets/humanoid_CMU_V2020.xml",
+    "Humanoid (gymnasium)": "gymnasium/envs/mujoco/assets/humanoid.xml",
+    "Humanoid (brax)": "brax/envs/assets/humanoid.xml",
     "simple_humanoid": f"{DATA}/simple_humanoid_description/urdf/simple_humanoid.urdf",
     "human": f"{DATA}/human_description/robots/human.urdf",
     "Alex, upper body": f"{DATA}/alex_description/urdf/alex_nub_hands.urdf",
@@ -46,6 +61,7 @@ ROBOTS = {  # in the order of packages: example-robot-data, icub-models, fourier
     "Bolt": f"{DATA}/bolt_description/robots/bolt.urdf",
     "Cassie": f"{DATA}/cassie_description/robots/cassie_v2.sdf",
 }
+MJCF = [name for name, path in ROBOTS.items() if path.endswith(".xml")]
 COMMAND = [sys.executable, "-c", "from mgs.cli import main; main()"]
 
 

@@ -31,7 +31,7 @@ OWNERS = {
     "mcap": {"motion_file"},
     "zstandard": {"motion_file"},
     "matplotlib": {"report"},
-    "mujoco": {"sim"},
+    "mujoco": {"sim", "robot"},  # physics, and its compiler of robots
     "pybullet": {"sim"},
     "yaml": {"core", "gait"},
     "pydantic": {"core", "gait", "robot", "library", "motion_file"},

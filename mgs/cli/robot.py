@@ -119,8 +119,8 @@ def check(ctx: click.Context, name: str, as_json: bool) -> None:
     ctx.exit(0 if all(finding.ok for finding in findings) else 1)
 
 
-@robot.command(short_help="Create a first robot folder from the URDF of a humanoid.")
-@click.argument("urdf", metavar="URDF", type=click.Path(dir_okay=False, path_type=Path))
+@robot.command(short_help="Create a first robot folder from the URDF or MJCF of a humanoid.")
+@click.argument("urdf", metavar="FILE", type=click.Path(dir_okay=False, path_type=Path))
 @click.option(
     "-o", "--output", "folder", required=True, metavar="DIR",
     type=click.Path(file_okay=False, path_type=Path), help="Robot folder to write.",
@@ -128,10 +128,10 @@ def check(ctx: click.Context, name: str, as_json: bool) -> None:
 @click.option(
     "--package-path", "package_paths", metavar="DIR", multiple=True,
     type=click.Path(exists=True, file_okay=False, path_type=Path),
-    help="Folder in which the packages of package:// and model:// names are searched. May be "
-    "repeated.",
+    help="Folder in which the packages of package:// and model:// names are searched, or in which "
+    "an MJCF has meshes and included files besides its own folder. May be repeated.",
 )  # fmt: skip
-@click.option("--name", metavar="NAME", help="Name of the robot. Default: the name in the URDF.")
+@click.option("--name", metavar="NAME", help="Name of the robot. Default: the name in the file.")
 @force_option
 @json_option
 def init(
@@ -142,16 +142,18 @@ def init(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Create a first robot folder from the URDF of a humanoid.
+    """Create a first robot folder from the URDF or MJCF of a humanoid.
 
-    Reads URDF and writes robot.urdf (a cleaned copy without meshes), robot.yaml and README.md into
-    DIR. Legs, soles, hands, posture and servo limits are guessed from the URDF; robot.yaml marks
-    every guess. Exit code 2 if the file is not the URDF of a robot that stands on two legs.
+    Reads FILE, a URDF or an MJCF as its root element says, and writes robot.urdf (a cleaned copy
+    without meshes), robot.yaml and README.md into DIR. Legs, soles, hands, posture and servo limits
+    are guessed from FILE; robot.yaml marks every guess. Exit code 2 if the file does not describe a
+    robot that stands on two legs.
 
     \b
     Examples:
       mgs robot init some.urdf -o robots/mine
       mgs robot init some.urdf -o robots/mine --package-path ~/ros/src
+      mgs robot init some.xml -o robots/mine
     """  # noqa: D301
     from dataclasses import asdict
 

@@ -17,6 +17,7 @@ MAX_XML_NESTING = 50  # of elements in a URDF
 MAX_LINKS = 1000  # of a robot; as many joints
 MAX_CHAIN = 100  # joints, fixed ones included, between the root link and any other link
 MAX_SHAPES = 200  # collision shapes in a robot folder; the number of pairs grows with the square
+MAX_INCLUDES = 100  # files that an MJCF includes
 
 # Gaits
 MAX_STEPS = 20_000  # of a walk

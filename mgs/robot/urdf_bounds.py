@@ -28,14 +28,14 @@ PIECE = 1 << 16  # [characters] that the parser is given at a time
 class _Counted(ElementTree.TreeBuilder):
     """Builder of a tree that gives up where the tree becomes too large."""
 
-    def __init__(self, source: str) -> None:
+    def __init__(self, source: str, unread: str) -> None:
         super().__init__()
-        self.source, self.depth, self.n_elements = source, 0, 0
+        self.source, self.unread, self.depth, self.n_elements = source, unread, 0, 0
 
     def doctype(self, name: str, pubid: str | None, system: str | None) -> None:
         """Refuse a document type, whose entities could grow without limit."""
         raise ConfigError(
-            self.source, f"{NOT_READ}: it declares a document type; remove <!DOCTYPE>"
+            self.source, f"{self.unread}: it declares a document type; remove <!DOCTYPE>"
         )
 
     def start(self, tag: str, attrs: dict[str, str]) -> ElementTree.Element:
@@ -43,15 +43,18 @@ class _Counted(ElementTree.TreeBuilder):
         self.depth += 1
         self.n_elements += 1
         if self.depth > MAX_XML_NESTING:
-            _refuse(self.source, f"nested too deeply, more than {MAX_XML_NESTING} levels")
+            self._refuse(f"nested too deeply, more than {MAX_XML_NESTING} levels")
         if self.n_elements > MAX_XML_ELEMENTS:
-            _refuse(self.source, f"it has more than {MAX_XML_ELEMENTS} elements")
+            self._refuse(f"it has more than {MAX_XML_ELEMENTS} elements")
         return super().start(tag, attrs)
 
     def end(self, tag: str) -> ElementTree.Element:
         """End an element."""
         self.depth -= 1
         return super().end(tag)
+
+    def _refuse(self, problem: str) -> None:
+        raise ConfigError(self.source, f"{self.unread}: {problem}")
 
 
 def parse_bounded(text: str | bytes, source: str) -> ElementTree.Element:
@@ -64,21 +67,41 @@ def parse_bounded(text: str | bytes, source: str) -> ElementTree.Element:
     Raises:
         ConfigError: the text is not XML, or has too many elements, links, joints or links in a row.
     """
+    root = parse_counted(text, source)
+    refuse_large(root, source)
+    return root
+
+
+def parse_counted(text: str | bytes, source: str, unread: str = NOT_READ) -> ElementTree.Element:
+    """Root element of an XML text of limited size, depth and number of elements.
+
+    Args:
+        text: the text.
+        source: what messages call it.
+        unread: how messages say that it cannot be read.
+
+    Raises:
+        ConfigError: the text is not XML, or too large.
+    """
     if len(text) > MAX_URDF:
-        _refuse(source, f"it is larger than {MAX_URDF // 10**6} MB")
-    parser = ElementTree.XMLParser(target=_Counted(source))
+        raise ConfigError(source, f"{unread}: it is larger than {MAX_URDF // 10**6} MB")
+    parser = ElementTree.XMLParser(target=_Counted(source, unread))
     try:
         for begin in range(0, len(text), PIECE):
             parser.feed(text[begin : begin + PIECE])
         root = parser.close()
     except (ElementTree.ParseError, ValueError, LookupError) as error:
-        raise ConfigError(source, f"{NOT_READ}: not valid XML: {error}") from error
+        raise ConfigError(source, f"{unread}: not valid XML: {error}") from error
     assert isinstance(root, ElementTree.Element)
+    return root
+
+
+def refuse_large(root: ElementTree.Element, source: str) -> None:
+    """Raise ConfigError where a URDF has too many links, joints or links in a row."""
     for tag in ("link", "joint"):
         if (n := len(root.findall(tag))) > MAX_LINKS:
             _refuse(source, f"{n} elements <{tag}>, at most {MAX_LINKS} are allowed")
     _refuse_long_chain(root, source)
-    return root
 
 
 def refuse_unfit(root: ElementTree.Element, source: str) -> None:

@@ -18,6 +18,16 @@ def add_link(
 ) -> ElementTree.Element:
     """Append a link with its inertia (about its CoM, in the axes of the link) and its shapes."""
     link = ElementTree.SubElement(root, "link", name=name)
+    add_inertial(link, inertia)
+    for number, (placement, kind, size) in enumerate(shapes):
+        collision = ElementTree.SubElement(link, "collision", name=f"{name}_{number}")
+        add_origin(collision, placement)
+        ElementTree.SubElement(ElementTree.SubElement(collision, "geometry"), kind, size)
+    return link
+
+
+def add_inertial(link: ElementTree.Element, inertia: pin.Inertia) -> None:
+    """Append the inertia of a link, about its CoM and in the axes of the link."""
     inertial = ElementTree.SubElement(link, "inertial")
     add_origin(inertial, pin.SE3(np.eye(3), inertia.lever))
     ElementTree.SubElement(inertial, "mass", value=repr(float(inertia.mass)))
@@ -27,11 +37,6 @@ def add_link(
         for j in range(i, 3)
     }
     ElementTree.SubElement(inertial, "inertia", entries)
-    for number, (placement, kind, size) in enumerate(shapes):
-        collision = ElementTree.SubElement(link, "collision", name=f"{name}_{number}")
-        add_origin(collision, placement)
-        ElementTree.SubElement(ElementTree.SubElement(collision, "geometry"), kind, size)
-    return link
 
 
 def add_revolute(

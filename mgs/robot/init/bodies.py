@@ -15,6 +15,9 @@ from mgs.robot.init.sole import Sole
 from mgs.robot.urdf_text import Shape, add_link, add_revolute, joint_axis, numbers
 
 LEAST_MASS = 1e-5  # least mass of a body, as part of the mass of the robot
+# Mass of a body that only connects two joints, as part of the mass of the robot, and its principal
+# inertias, as part of that mass times leg length squared: too small to change what the robot does.
+BETWEEN_MASS, BETWEEN_INERTIA = 1e-11, 1e-12
 # Range of plausible radii of gyration of a body, as parts of the reach of its shapes from its CoM.
 LEAST_GYRATION, MOST_GYRATION = 0.03, 2.0
 LEAST_INERTIA = 1e-7  # least principal inertia, as part of robot mass times leg length squared
@@ -81,6 +84,10 @@ def mended_inertias(
     floor = LEAST_INERTIA * mass * leg_length**2
     inertias = [skeleton.model.inertias[0]]
     for body in range(BASE, skeleton.model.njoints):
+        if _only_connects(skeleton, body):
+            moment = BETWEEN_INERTIA * mass * leg_length**2 * np.eye(3)
+            inertias.append(pin.Inertia(BETWEEN_MASS * mass, np.zeros(3), moment))
+            continue
         inertia = _plausible(skeleton, body, links[body], notes)
         moments, axes = np.linalg.eigh(inertia.inertia)
         new_mass = max(float(inertia.mass), LEAST_MASS * mass)
@@ -101,6 +108,13 @@ def mended_inertias(
             inertia = pin.Inertia(new_mass, inertia.lever, inertia.inertia)
         inertias.append(inertia)
     return inertias
+
+
+def _only_connects(skeleton: Skeleton, body: int) -> bool:
+    """Whether a body is there to connect two joints: it has neither inertia nor shape."""
+    inertia = skeleton.model.inertias[body]
+    is_bare = not inertia.mass and not inertia.inertia.any() and not skeleton.surfaces[body]
+    return body != BASE and is_bare and bool(skeleton.children(body))
 
 
 def _plausible(skeleton: Skeleton, body: int, link: str, notes: list[str]) -> pin.Inertia:

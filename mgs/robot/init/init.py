@@ -1,4 +1,4 @@
-"""Draft of the three files of a robot folder from a URDF."""
+"""Draft of the three files of a robot folder from a URDF or an MJCF."""
 
 from __future__ import annotations
 
@@ -46,17 +46,18 @@ class DraftFolder:
 def init_robot(
     urdf: Path, name: str | None = None, package_paths: tuple[Path, ...] = ()
 ) -> DraftFolder:
-    """Read the URDF of a humanoid and draft a robot folder.
+    """Read the URDF or the MJCF of a humanoid and draft a robot folder.
 
     Args:
-        urdf: path of the URDF.
-        name: name of the robot; None: the name in the URDF.
-        package_paths: folders in which the packages of package:// names are searched first.
+        urdf: path of the file; its root element tells which of the two it is.
+        name: name of the robot; None: the name in the file.
+        package_paths: folders in which the packages of package:// names are searched first; those
+            in which an MJCF may have its meshes and included files besides its own folder.
 
     Raises:
-        ConfigError: the file is not the URDF of a robot that stands on two soles; with the reason.
+        ConfigError: the file does not describe a robot that stands on two soles; with the reason.
     """
-    with told_as(lambda what: ConfigError(urdf, f"no robot can be made of this URDF: {what}")):
+    with told_as(lambda what: ConfigError(urdf, f"no robot can be made of this file: {what}")):
         return _drafted(urdf, name, package_paths)
 
 
@@ -69,9 +70,9 @@ def _drafted(urdf: Path, name: str | None, package_paths: tuple[Path, ...]) -> D
     _refuse_unfit(skeleton, anatomy, soles, leg, source)
     notes = source.notes
     mass = float(pin.computeTotalMass(skeleton.model))
-    figures = servo_figures(skeleton, anatomy, source.root, mass, leg)
+    figures = servo_figures(skeleton, anatomy, source, mass, leg)
     torque = {joint: found.effort for joint, found in figures.items()}
-    posture = find_posture(skeleton, anatomy, soles, torque)
+    posture = find_posture(skeleton, anatomy, soles, torque, source.stand)
     if posture.sole_error > NEAR:
         notes.append(
             "no posture with both soles level was found: the remaining error is "
@@ -98,6 +99,7 @@ def _drafted(urdf: Path, name: str | None, package_paths: tuple[Path, ...]) -> D
     urdf_text = cleaned_urdf(draft.name, skeleton, links, shapes, inertias, efforts)
     robot = build_robot(robot_yaml(draft), urdf_text, urdf)
     draft.ignored.extend(touching_pairs(robot, {draft.links[b] for b in _shins(anatomy)}))
+    draft.ignored.extend(_apart(source, skeleton, links, draft.ignored))
     text = robot_yaml(draft)
     return DraftFolder(
         urdf=urdf_text,
@@ -106,6 +108,18 @@ def _drafted(urdf: Path, name: str | None, package_paths: tuple[Path, ...]) -> D
         robot=build_robot(text, urdf_text, urdf),
         notes=notes,
     )
+
+
+def _apart(
+    source: Source, skeleton: Skeleton, links: list[str], known: list[tuple[str, str]]
+) -> list[tuple[str, str]]:
+    """Pairs of links that the source excludes from collisions, as far as they are not `known`."""
+    body_of = {name: body for body, names in enumerate(skeleton.links) for name in names}
+    pairs = {
+        tuple(sorted((links[body_of[one]], links[body_of[other]]))) for one, other in source.apart
+    }
+    seen = {tuple(sorted(pair)) for pair in known}
+    return sorted((one, other) for one, other in pairs - seen if one != other)
 
 
 def write_robot(draft: DraftFolder, folder: Path, force: bool = False) -> None:
@@ -123,7 +137,7 @@ def write_robot(draft: DraftFolder, folder: Path, force: bool = False) -> None:
 
 def _read(urdf: Path, package_paths: tuple[Path, ...]) -> tuple[Source, Skeleton]:
     """Source and skeleton of a URDF, turned so that x of the base points forward."""
-    source = read_source(urdf)
+    source = read_source(urdf, package_paths)
     skeleton = build_skeleton(source, package_paths)
     _refuse_units(skeleton, source)
     if yaw := heading(skeleton, source):

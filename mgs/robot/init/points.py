@@ -21,6 +21,7 @@ from mgs.core.arrays import Array
 from mgs.core.errors import ConfigError
 from mgs.core.input_files import is_file, is_inside
 from mgs.core.limits import MAX_MESH
+from mgs.robot.init.source import Source
 from mgs.robot.urdf_text import Shape, numbers
 
 MOST_POINTS = 20_000  # largest number of points of a mesh that are used
@@ -51,11 +52,12 @@ class Surface:
 class Surfaces:
     """Reader of the shapes of links, which keeps a list of missing meshes."""
 
-    def __init__(self, urdf: Path, root: ElementTree.Element, package_paths: tuple[Path, ...]):
-        self._urdf, self._packages = urdf.resolve(), package_paths
-        self._links = {link.get("name", ""): link for link in root.findall("link")}
+    def __init__(self, source: Source, package_paths: tuple[Path, ...]):
+        self._urdf, self._packages = source.path.resolve(), package_paths
+        self._links = {link.get("name", ""): link for link in source.root.findall("link")}
+        self._given = source.meshes
         self._meshes: dict[tuple[Path, str], Array] = {}
-        self.missing: list[str] = []
+        self.missing: list[str] = list(source.missing)
 
     def of_link(self, name: str) -> list[Surface]:
         """Collision shapes of a link, or its visual shapes if it has no collision shape."""
@@ -81,6 +83,9 @@ class Surfaces:
 
     def _mesh(self, shape: ElementTree.Element) -> Array | None:
         name, scale = shape.get("filename", ""), shape.get("scale", "1 1 1")
+        if name in self._given:
+            points = self._given[name]
+            return points[:: 1 + len(points) // MOST_POINTS]
         path = find_mesh(name, self._urdf, self._packages)
         if path is None:
             self.missing.append(name)
@@ -175,7 +180,7 @@ def _primitive(placement: pin.SE3, shape: ElementTree.Element) -> Surface | None
         angles = np.arange(RING) * 2.0 * np.pi / RING
         ring = np.stack([radius * np.cos(angles), radius * np.sin(angles), 0.0 * angles], axis=1)
         if shape.tag == "capsule":
-            ring = radius * _directions()
+            ring = radius * _directions() @ placement.rotation  # as for a sphere
         end = np.array([0.0, 0.0, 0.5 * length])
         points = np.concatenate([ring - end, ring + end])
         round_size = {"radius": repr(radius), "length": repr(length)}

@@ -9,7 +9,7 @@ The arms hang forward with bent elbows.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,16 +57,26 @@ def hand_point(skeleton: Skeleton, body: int) -> Array:
 
 
 def find_posture(
-    skeleton: Skeleton, anatomy: Anatomy, soles: tuple[Sole, Sole], torque: dict[int, float]
+    skeleton: Skeleton,
+    anatomy: Anatomy,
+    soles: tuple[Sole, Sole],
+    torque: dict[int, float],
+    stand: Mapping[str, float],
 ) -> Posture:
     """Deepest posture with level soles, enough distance from joint limits and enough torque.
 
     If no posture meets all three conditions, they are ranked in this order. `torque` holds the
-    torque limit of each joint [N m].
+    torque limit of each joint [N m]. Where `stand`, angles of joints by name [rad], bends the arms,
+    they stay like that; the search for the angles of the legs begins at it.
     """
     q = skeleton.at_rest.copy()
+    for leg in anatomy.legs if stand else ():
+        _take(skeleton, leg, stand, q)
     for side, arm in enumerate(anatomy.arms or ()):
-        _place_hand(skeleton, arm, 1.0 - 2.0 * side, q)
+        if any(stand.get(skeleton.name(joint), 0.0) for joint in arm):
+            _take(skeleton, arm, stand, q)
+        else:
+            _place_hand(skeleton, arm, 1.0 - 2.0 * side, q)
     found: list[tuple[tuple[float, float, float], Posture]] = []
     for crouch in CROUCHES:
         posture = _sit(skeleton, anatomy, soles, q.copy(), crouch)
@@ -77,6 +87,13 @@ def find_posture(
         if score == (-NEAR, LEG_ROOM, -MOST_LOAD):
             break
     return max(found, key=lambda item: item[0])[1]
+
+
+def _take(skeleton: Skeleton, joints: list[int], stand: Mapping[str, float], q: Array) -> None:
+    """Set the angles of joints in q to those of a known posture, within their ranges."""
+    model, at = skeleton.model, _angles(skeleton, joints)
+    angles = [stand.get(skeleton.name(joint), 0.0) for joint in joints]
+    q[at] = np.clip(angles, model.lowerPositionLimit[at], model.upperPositionLimit[at])
 
 
 def _room(skeleton: Skeleton, anatomy: Anatomy, q: Array) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -71,11 +72,11 @@ def build_skeleton(source: Source, package_paths: tuple[Path, ...]) -> Skeleton:
     Raises:
         ConfigError: Pinocchio cannot read the URDF.
     """
-    text = ElementTree.tostring(source.root, encoding="unicode")
+    text = ElementTree.tostring(_without_shapes(source.root), encoding="unicode")
     model = call_parser(
         lambda: pin.buildModelFromXML(text, pin.JointModelFreeFlyer()), str(source.path)
     )
-    reader = Surfaces(source.path, source.root, package_paths)
+    reader = Surfaces(source, package_paths)
     links: list[list[str]] = [[] for _ in range(model.njoints)]
     surfaces: list[list[tuple[str, pin.SE3, Surface]]] = [[] for _ in range(model.njoints)]
     for link in source.root.findall("link"):
@@ -94,3 +95,12 @@ def build_skeleton(source: Source, package_paths: tuple[Path, ...]) -> Skeleton:
     pin.forwardKinematics(model, data, at_rest)
     placements = [data.oMi[joint].copy() for joint in range(model.njoints)]
     return Skeleton(model, links, surfaces, reader.missing, at_rest, placements)
+
+
+def _without_shapes(root: ElementTree.Element) -> ElementTree.Element:
+    """A copy of a URDF without shapes, some of which Pinocchio's parser does not know."""
+    bare = copy.deepcopy(root)
+    for link in bare.findall("link"):
+        for shape in [*link.findall("collision"), *link.findall("visual")]:
+            link.remove(shape)
+    return bare

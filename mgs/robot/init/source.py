@@ -9,14 +9,17 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from xml.etree import ElementTree
 
+from mgs.core.arrays import Array
 from mgs.core.errors import ConfigError
 from mgs.core.input_files import read_bytes
 from mgs.core.limits import MAX_URDF
-from mgs.robot.urdf_bounds import parse_bounded
+from mgs.robot.init.mjcf import Drive, read_mjcf
+from mgs.robot.urdf_bounds import parse_counted, refuse_large
 from mgs.robot.urdf_checks import PARTS, is_empty, malformed
 from mgs.robot.urdf_lock import fix_joint
 
@@ -37,6 +40,11 @@ class Source:
     mimics: dict[str, str]  # leader of each joint that mimics another one; these joints are fixed
     leaders: set[str]  # joints that other joints mimic
     notes: list[str] = field(default_factory=list)
+    meshes: Mapping[str, Array] = field(default_factory=dict)  # points (N, 3) of known meshes [m]
+    missing: list[str] = field(default_factory=list)  # names of mesh files that were not found
+    stand: Mapping[str, float] = field(default_factory=dict)  # hint of a posture: angles [rad]
+    drives: Mapping[str, Drive] = field(default_factory=dict)  # what is known of motors
+    apart: list[tuple[str, str]] = field(default_factory=list)  # links that never collide
 
     @property
     def name(self) -> str:
@@ -44,15 +52,20 @@ class Source:
         return self.root.get("name") or self.path.stem
 
 
-def read_source(path: Path) -> Source:
-    """Read a URDF and convert it to a tree of revolute and fixed joints.
+def read_source(path: Path, package_paths: tuple[Path, ...] = ()) -> Source:
+    """Read a URDF or an MJCF and convert it to a tree of revolute and fixed joints.
 
     Raises:
         ConfigError: the file is missing, is not a URDF, or does not contain one tree of links.
     """
     root, text = _parse(path)
+    mjcf = None
+    if root.tag == "mujoco":
+        mjcf = read_mjcf(root, path, package_paths)
+        root, text = mjcf.root, ""
+    refuse_large(root, str(path))
     _refuse_loops(root, path)
-    notes: list[str] = []
+    notes: list[str] = [] if mjcf is None else mjcf.notes
     _ignore_foreign(root, notes)
     _drop_empty_shapes(root, notes)
     if problems := malformed(root, text):
@@ -62,6 +75,15 @@ def read_source(path: Path) -> Source:
     _cut_world(root, notes)
     leaders = {mimic.get("joint", "") for mimic in root.iter("mimic")}
     source = Source(path, root, _mimics(root), leaders, notes=notes)
+    if mjcf is not None:
+        source = replace(
+            source,
+            meshes=mjcf.meshes,
+            missing=mjcf.missing,
+            stand=mjcf.posture,
+            drives=mjcf.drives,
+            apart=mjcf.apart,
+        )
     for joint in root.findall("joint"):
         _bring_into_shape(joint, source)
     return source
@@ -70,11 +92,17 @@ def read_source(path: Path) -> Source:
 def _parse(path: Path) -> tuple[ElementTree.Element, str]:
     """Root element and text of a file."""
     content = read_bytes(path, MAX_URDF, "a URDF")
-    root = parse_bounded(content, str(path))
+    root = parse_counted(content, str(path), "cannot read it as a URDF or an MJCF")
+    if root.tag == "mujoco":
+        return root, ""
     if root.tag == "sdf":
         raise ConfigError(path, _why_not_sdf(root))
     if root.tag != "robot":
-        raise ConfigError(path, f"cannot read it as a URDF: its root is <{root.tag}>, not <robot>")
+        raise ConfigError(
+            path,
+            f"cannot read it as a URDF or an MJCF: its root is <{root.tag}>, not <robot> or "
+            "<mujoco>",
+        )
     parts = [*root.findall("link"), *root.findall("joint")]
     if any("xacro" in element.tag for element in (parts or [root]) for element in element.iter()):
         raise ConfigError(

@@ -87,15 +87,20 @@ def _posture(draft: Draft) -> list[str]:
 def _servos(draft: Draft) -> list[str]:
     moving = _moving(draft)
     lines = ["servos:  # effort and velocity limits of the URDF; velocity taken as no-load speed"]
-    seen: dict[str, ServoFigures] = {}
-    for joint in moving:
-        seen.setdefault(_servo(draft.figures[joint]), draft.figures[joint])
-    for name, figures in seen.items():
+    names = _servo_names(draft.figures[joint] for joint in moving)
+    for figures, name in names.items():
         guess = f"  # guess: {' and '.join(figures.guessed)}" if figures.guessed else ""
-        torque, speed = f"stall_torque: {figures.effort:g}", f"no_load_speed: {figures.velocity:g}"
-        lines.append(f"  {name}: {{{torque}, {speed}}}{guess}")
+        values = {
+            "stall_torque": figures.effort,
+            "no_load_speed": figures.velocity,
+            "armature": figures.armature,
+            "viscous_friction": figures.viscous_friction,
+            "friction": figures.friction,
+        }
+        given = ", ".join(f"{key}: {value:g}" for key, value in values.items() if value)
+        lines.append(f"  {name}: {{{given}}}{guess}")
     lines.append("joints:")
-    lines += [f"  {word(draft.skeleton.name(j))}: {_servo(draft.figures[j])}" for j in moving]
+    lines += [f"  {word(draft.skeleton.name(j))}: {names[draft.figures[j]]}" for j in moving]
     lines += _limits(draft)
     if draft.anatomy.locked:
         lines.append("locked:  # guess: joints that whole-body motions do not need [rad]")
@@ -118,9 +123,19 @@ def _limits(draft: Draft) -> list[str]:
     return [heading, *lines] if lines else []
 
 
-def _servo(figures: ServoFigures) -> str:
-    guess = "-guess" if figures.guessed else ""
-    return f"{figures.effort:g}Nm-{figures.velocity:g}rad{guess}"
+def _servo_names(figures: Iterable[ServoFigures]) -> dict[ServoFigures, str]:
+    """Name of each different servo: its torque and speed, and a number where that is not enough."""
+    names: dict[ServoFigures, str] = {}
+    for servo in figures:
+        if servo not in names:
+            guess = "-guess" if servo.guessed else ""
+            name = first = f"{servo.effort:g}Nm-{servo.velocity:g}rad{guess}"
+            number = 1
+            while name in names.values():
+                number += 1
+                name = f"{first}-{number}"
+            names[servo] = name
+    return names
 
 
 def _tail(draft: Draft) -> list[str]:

@@ -256,7 +256,7 @@ REFUSED = {
         "xacro macros",
     ),
     "not XML": ("robot", "not valid XML"),
-    "another format": ("<mujoco/>", "<mujoco>, not <robot>"),
+    "another format": ("<model/>", "<model>, not <robot> or <mujoco>"),
     "an SDF": ('<sdf><model><link name="a"/></model></sdf>', "an SDF, not a URDF"),
     "no links": ("<robot name='a'/>", "no links"),
     "two roots": (Biped(extra=['<link name="stray"/>']), "2 root links"),
