@@ -38,6 +38,7 @@ COMMANDS = {
     "export": LazyCommand(
         "mgs.cli.export", "Write joint angles and velocities as CSV or NumPy arrays."
     ),
+    "play": LazyCommand("mgs.cli.play", "Stream a motion to Dynamixel servos."),
     "batch": LazyCommand("mgs.cli.batch", "Make a gait library: many variations of one gait."),
     "library": LazyCommand("mgs.cli.library", "Query, export and summarize a gait library."),
     "robot": LazyCommand("mgs.cli.robot", "List, show, check and create robot descriptions."),

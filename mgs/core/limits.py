@@ -9,6 +9,7 @@ from __future__ import annotations
 MAX_FILE = 1_000_000  # [bytes] of a gait, robot.yaml, sweep or table
 MAX_URDF = 20_000_000  # [bytes] of a URDF
 MAX_MESH = 200_000_000  # [bytes] of a mesh that `mgs robot init` reads
+MAX_LOG = 50_000_000  # [bytes] of a CSV log of a robot
 MAX_NESTING = 30  # of lists and mappings in a YAML file
 
 # URDF

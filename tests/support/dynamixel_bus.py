@@ -230,6 +230,13 @@ class SimulatedBus:
         rows = [json.loads(row) for row in self.log.read_text().splitlines()]
         return [Write(t, servo, address, bytes.fromhex(data)) for t, servo, address, data in rows]
 
+    def wait_until_quiet(self) -> None:
+        """Wait until the process has worked off what was sent to it."""
+        before = -1
+        while (size := self.log.stat().st_size) != before:
+            before = size
+            time.sleep(0.2)
+
     def goals(self, servo: int) -> list[Write]:
         """Goals of one servo."""
         return [w for w in self.writes() if (w.servo, w.address) == (servo, self.places.goal[0])]
@@ -243,6 +250,7 @@ class SimulatedBus:
 def simulated_bus(folder: Path, setting: Setting) -> Iterator[SimulatedBus]:
     """A line of servos that answers while this lasts."""
     log = folder / "bus.log"
+    log.write_text("")
     command = [sys.executable, "-m", "tests.support.dynamixel_bus", json.dumps(asdict(setting))]
     process = subprocess.Popen([*command, str(log)], stdout=subprocess.PIPE, text=True, cwd=ROOT)
     assert process.stdout is not None

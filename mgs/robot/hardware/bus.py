@@ -13,7 +13,7 @@ from typing import Any
 
 from mgs.core.errors import HardwareError
 from mgs.core.foreign import described
-from mgs.robot.hardware.port import open_port, sdk
+from mgs.robot.hardware.port import FIRST_WAIT, open_port, sdk
 from mgs.robot.hardware.tables import ALERT, ControlTable, Register, error_words
 
 TRIES = 8  # of a question that needs an answer
@@ -44,6 +44,7 @@ class Bus:
         self._success = sdk().COMM_SUCCESS
         self._handler = sdk().PacketHandler(float(protocol))
         self._port = open_port(port_name, baud)
+        self.wait = FIRST_WAIT  # for an answer of `state` and `states` beyond its time [s]
 
     def __enter__(self) -> Bus:
         return self
@@ -51,21 +52,13 @@ class Bus:
     def __exit__(self, *_: object) -> None:
         self._port.closePort()
 
-    @property
-    def wait(self) -> float:
-        """How long an answer may take beyond its time on the wire [s]."""
-        return float(self._port.wait)
-
-    @wait.setter
-    def wait(self, seconds: float) -> None:
-        self._port.wait = seconds
-
     def model(self, servo: int) -> int:
         """Number of the model of a servo.
 
         Raises:
             HardwareError: it does not answer.
         """
+        self._port.wait = FIRST_WAIT
         for _ in range(TRIES):
             found = self._tried(lambda: self._handler.ping(self._port, servo))
             if found is not None and found[1] == self._success:
@@ -81,6 +74,7 @@ class Bus:
         Raises:
             HardwareError: the servo does not answer.
         """
+        self._port.wait = FIRST_WAIT
         for _ in range(TRIES):
             data = self._block(servo, register.address, register.size)
             if data is not None:
@@ -93,6 +87,7 @@ class Bus:
     def state(self, servo: int, table: ControlTable) -> ServoState | None:
         """Position and load of a servo; None: no answer, or a damaged one."""
         first, length = table.state
+        self._port.wait = self.wait
         found = self._block(servo, first, length)
         return None if found is None else self._state(*found, table)
 
@@ -102,6 +97,7 @@ class Bus:
             each = {servo: self.state(servo, table) for servo in servos}
             return {servo: state for servo, state in each.items() if state is not None}
         first, length = table.state
+        self._port.wait = self.wait
         sent = self._tried(
             lambda: self._handler.syncReadTx(
                 self._port, first, length, list(servos), len(servos), False
@@ -139,7 +135,7 @@ class Bus:
                 result = self._handler.syncWriteTxOnly(
                     self._port, register.address, register.size, data, len(data)
                 )
-            except Exception as error:  # pyserial: a cable that was pulled
+            except Exception as error:  # a cable that was pulled
                 raise HardwareError(f"{self.port_name}: {described(error)}") from error
             if result != self._success:
                 raise HardwareError(f"{self.port_name}: {self._handler.getTxRxResult(result)}")
@@ -196,8 +192,8 @@ class Bus:
         """
         try:
             return ask()
-        except OSError as error:  # pyserial: a cable that was pulled
-            raise HardwareError(f"{self.port_name}: {described(error)}") from error
         except (IndexError, TypeError, ValueError):  # a damaged length or number of parameters
             self._port.is_using = False
             return None
+        except Exception as error:  # a cable that was pulled: OSError, or termios.error of POSIX
+            raise HardwareError(f"{self.port_name}: {described(error)}") from error

@@ -11,7 +11,7 @@ import numpy as np
 from mgs.core.arrays import Array
 from mgs.core.errors import HardwareError
 from mgs.robot.hardware.bus import Bus
-from mgs.robot.hardware.line import SHARE, Line, Ticks, positions
+from mgs.robot.hardware.line import Line, Ticks, positions
 from mgs.robot.hardware.pacing import Jitter, Pace, jitter
 from mgs.robot.hardware.watch import Finding, Heard, StopAt, Watch
 
@@ -32,6 +32,32 @@ class Played:
     missed: dict[int, int]  # answers that did not come or were damaged
     start: float  # time.monotonic of goal 0 [s]
     heard: tuple[Heard, ...]
+
+    @property
+    def words(self) -> str:
+        """Figures in a few lines."""
+        j, asked, missed = self.jitter, sum(self.asked.values()), sum(self.missed.values())
+        text = (
+            f"{j.sent} of {self.n_goals} goals sent; late after their deadlines by "
+            f"{1e3 * j.mean:.2f} ms on average, {1e3 * j.p99:.2f} ms in 99 % of cases, "
+            f"{1e3 * j.worst:.2f} ms at most; {j.missed} deadlines missed\n"
+            f"  {missed} of {asked} answers of servos missing or damaged"
+        )
+        if self.stopped is not None:
+            text += f"\n  stopped: {self.stopped} (told servos in {1e3 * self.stop_seconds:.1f} ms)"
+        return text
+
+    def to_dict(self) -> dict[str, object]:
+        """Plain dict of all figures for JSON."""
+        return {
+            "goals": self.n_goals,
+            "jitter": self.jitter.to_dict(),
+            "stopped": self.stopped,
+            "stop_kind": self.stop_kind,
+            "stop_seconds": self.stop_seconds,
+            "asked": self.asked,
+            "missed": self.missed,
+        }
 
 
 def approach_path(present: Ticks, first: Ticks, speed: Array, rate: float) -> Ticks:
@@ -110,7 +136,7 @@ def stream(
     """
     period = 1.0 / rate
     at_once = line.at_once(period)
-    bus.wait = min(bus.wait, SHARE * period)
+    bus.wait = line.wait(period)
     watch = Watch(bus, line, stop_at or StopAt(), at_once)
     pace = Pace(time.monotonic() + period, period)
     late: list[float] = []

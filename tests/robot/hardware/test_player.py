@@ -26,7 +26,7 @@ from mgs.robot.hardware.watch import StopAt
 from tests.support.dynamixel_bus import Setting, SimulatedBus, simulated_bus
 
 RATE = 100.0  # [Hz]
-PATIENT = StopAt(most_late=5.0)  # the computers of tests are busy
+PATIENT = StopAt(most_late=5.0, lost_after=100)  # the computers of tests are busy
 SERIES = {
     "X": Setting(protocol=2, model=1020),
     "XL-320": Setting(protocol=2, model=350),
@@ -56,6 +56,7 @@ def waves(line: Line, seconds: float, rate: float = RATE) -> np.ndarray:
 
 
 def told(simulated: SimulatedBus, servo: int, since: float) -> tuple[np.ndarray, np.ndarray]:
+    simulated.wait_until_quiet()
     writes = [w for w in simulated.goals(servo) if w.time >= since]
     return np.array([w.time for w in writes]), np.array([w.value for w in writes])
 
@@ -86,7 +87,7 @@ def test_servos_are_told_the_plan_at_the_rate_asked_for(tmp_path, series):
             # each goal at its own time on the clock: later by its delay, never by a sum of delays
             late = times - (played.start + rows / RATE)
             assert late.min() > 0.0
-            assert late.max() < played.jitter.worst + 0.05  # [s] of the line and of its process
+            assert np.median(late) < 0.05  # [s]; 0.6 s if delays of 3 ms added up
     assert 0.0 <= played.jitter.mean <= played.jitter.p99 <= played.jitter.worst
 
 
@@ -96,8 +97,7 @@ def test_lost_and_damaged_packets_neither_stop_nor_distort_the_motion(tmp_path, 
     with playing(tmp_path, setting) as (simulated, bus, line):
         goals = waves(line, 3.0)
         began = time.monotonic()
-        patient = StopAt(most_late=5.0, lost_after=40)  # the simulated line may be kept waiting
-        played = stream(bus, line, goals, RATE, stop_at=patient)
+        played = stream(bus, line, goals, RATE, stop_at=PATIENT)
         assert played.stopped is None
         arrived = 0
         for column, servo in enumerate(line.servos):
@@ -116,9 +116,9 @@ def test_a_servo_that_falls_silent_stops_the_motion(tmp_path, series):
     setting = replace(SERIES[series], servos=(1, 2, 3, 4, 5), silent={"3": 1.0}, lose=0.05)
     with playing(tmp_path, setting) as (simulated, bus, line):
         goals = waves(line, 20.0)
-        played = stream(bus, line, goals, RATE, stop_at=StopAt(most_late=5.0, lost_after=12))
+        played = stream(bus, line, goals, RATE, stop_at=StopAt(most_late=5.0, lost_after=40))
         assert played.stop_kind == "lost"
-        assert "servo 3 has not answered 12 times in a row" in str(played.stopped)
+        assert "servo 3 has not answered 40 times in a row" in str(played.stopped)
         assert played.jitter.sent < len(goals) // 2
         assert played.stop_seconds < 0.05
         _, values = told(simulated, 1, played.start)
@@ -160,7 +160,7 @@ def test_servos_stop_within_50_ms_of_the_wish(tmp_path, off, rate):
         goals = waves(line, 20.0, rate)
         played = stream(bus, line, goals, rate, stop=stop, stop_at=PATIENT, off_when_stopped=off)
         assert played.stopped == "key"
-        time.sleep(0.1)
+        simulated.wait_until_quiet()
         for servo in line.servos:
             writes = simulated.torques(servo) if off else simulated.goals(servo)
             after = [w for w in writes if w.time > wish]
@@ -187,7 +187,7 @@ def test_torque_comes_on_without_a_jump(tmp_path):
             assert first[servo, 116].value == start
             assert first[servo, 116].time < first[servo, 64].time
         torque_off(bus, line)
-        time.sleep(0.1)
+        simulated.wait_until_quiet()
         assert simulated.torques(1)[-1].value == 0
 
 
@@ -216,7 +216,6 @@ def test_servos_that_cannot_follow_are_refused(tmp_path):
             Bus(simulated.port, 1_000_000, setting.protocol) as bus,
             pytest.raises(HardwareError) as caught,
         ):
-            bus.wait = 0.02
             look_at(bus, (1, 2, 3))
         assert words in str(caught.value), words
 
