@@ -5,7 +5,7 @@
 
 The commanded angle holds the droop already; its stiffness is then that of the physical robot, where
 known, and the law of the physical robot adds play, zero, scale and sign alone. Rates other than
-that of the motion are met by cubic splines through its samples, at rest at both ends.
+that of the motion are met by cubic splines through its samples (mgs.core.spline).
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import numpy as np
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.core.short_repr import short_repr
+from mgs.core.spline import evaluate, spline_at_rest
 from mgs.motion.motion import Motion
 from mgs.motion.servo_commands import servo_commands
 from mgs.robot.servos import is_modelled, servos_of
@@ -77,14 +78,9 @@ def at_rate(values: Array, dt: float, rate: float) -> Array:
 
     A time past the end has the last value, so that a motion ends where it should.
     """
-    from scipy.interpolate import CubicSpline
-
     duration = (len(values) - 1) * dt
     times = np.arange(1 + int(np.ceil(duration * rate - 1e-9)), dtype=np.float64) / rate
-    if len(values) == 1:
-        return values.copy()
-    spline = CubicSpline(dt * np.arange(len(values)), values, bc_type="clamped")
-    return np.asarray(spline(np.minimum(times, duration)))
+    return evaluate(spline_at_rest(values, dt), np.minimum(times, duration))[0]
 
 
 def _goals(motion: Motion, kind: GoalKind, unit: Unit | None) -> Array:

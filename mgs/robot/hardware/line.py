@@ -149,7 +149,7 @@ def _answer_times(bus: Bus, table: ControlTable, servos: Sequence[int]) -> tuple
 
 
 def _timed(bus: Bus, table: ControlTable, servos: Sequence[int]) -> list[float]:
-    """Times [s] in which all of the servos answered."""
+    """Durations [s] of those questions that all of the servos answered."""
     times = []
     for _ in range(SAMPLES):
         start = time.monotonic()
