@@ -39,7 +39,9 @@ OWNERS = {
     "dask": {"library", "cli"},
     "distributed": {"library"},
     "sqlite3": {"library"},
-    "pyarrow": {"library"},
+    "pyarrow": {"library", "motion_file"},
+    "torch": {"motion_file"},
+    "pickle": {"judge", "motion_file"},
     "optuna": {"search"},
 }
 HEAVY = ["control", "matplotlib", "mujoco", "pybullet", "pinocchio", "scipy", "mcap", "distributed"]

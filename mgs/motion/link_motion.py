@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 
 from mgs.core.arrays import Array
-from mgs.core.geometry import quat_multiply, rotate
+from mgs.core.geometry import quat_conjugate, quat_multiply, rotate
 from mgs.core.short_repr import short_repr
 from mgs.motion.dynamics import align_quaternion_signs
 from mgs.motion.sampled import SampledMotion
@@ -106,3 +107,36 @@ def _link_coms(robot: Robot) -> dict[str, Array]:
         text = "0 0 0" if origin is None else origin.get("xyz", "0 0 0")
         found[link.get("name", "")] = np.array([float(part) for part in text.split()])
     return found
+
+
+def sole_links(robot: Robot, names: Sequence[str]) -> tuple[int, int]:
+    """Positions in a list of links of the ones that carry the left and the right sole."""
+    model = robot.model
+
+    def body(frame: int) -> int:
+        return int(model.frames[frame].parentJoint)
+
+    carriers = [body(model.getFrameId(name, pin.FrameType.BODY)) for name in names]
+    left, right = (carriers.index(body(frame)) for frame in robot.sole_frames)
+    return left, right
+
+
+def sole_motion(sampled: SampledMotion) -> tuple[Array, Array]:
+    """Positions and velocities (T, 2, 3) of the soles, seen from the root link, in its frame.
+
+    The velocity is the derivative of the position as the root link sees it.
+    """
+    robot = sampled.robot
+    poses, twists = _bodies(robot, sampled.q, sampled.v)
+    frames = [robot.model.frames[frame] for frame in robot.sole_frames]
+    bodies = [int(frame.parentJoint) - 1 for frame in frames]
+    quat = poses[:, bodies, 3:]
+    arm = rotate(quat, np.array([frame.placement.translation for frame in frames]))
+    position = poses[:, bodies, :3] + arm - sampled.base_position[:, None]
+    speed = rotate(quat, twists[:, bodies, :3])
+    speed += np.cross(rotate(quat, twists[:, bodies, 3:]), arm)
+    back = quat_conjugate(sampled.base_quat_xyzw)[:, None]
+    seen = rotate(back, position)
+    turning = sampled.v[:, None, 3:6]
+    moving = rotate(back, speed) - sampled.v[:, None, :3]
+    return seen, moving - np.cross(turning, seen)

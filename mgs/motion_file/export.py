@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -84,7 +85,15 @@ def write_sampled(
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise MgsError(f"{path}: cannot be written: {reason}") from error
-    return Exported(path, fmt, sampled, written)
+    return Exported(path, fmt, sampled, _with_rate(written, sampled, fmt))
+
+
+def _with_rate(written: Written, sampled: SampledMotion, fmt: Format) -> Written:
+    """What was written, with a note if its rate is not the one that readers expect."""
+    if fmt.fps is None or abs(sampled.fps - fmt.fps) < 1e-6 * fmt.fps:
+        return written
+    note = f"{sampled.fps:.6g} frames per second; readers of {fmt.name} often take {fmt.fps:g}"
+    return dataclasses.replace(written, notes=(*written.notes, note))
 
 
 def export(

@@ -14,9 +14,13 @@ hangs on a merged link hangs on the link it is merged into.
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
+from mgs.core.arrays import Array
 from mgs.robot.robot import Robot
 from mgs.robot.urdf_bounds import parse_bounded
 
@@ -94,3 +98,16 @@ def _children(link: str, children: dict[str, list[_Child]], links: Links) -> lis
         else:
             stack += reversed(children.get(child.link, []))
     return found
+
+
+def joint_axes(robot: Robot, names: Sequence[str]) -> Array:
+    """Axes (J, 3) of joints in the frames of their links, unit vectors."""
+    xml = parse_bounded(robot.urdf, robot.source)
+    found = {joint.get("name", ""): joint.find("axis") for joint in xml.findall("joint")}
+    rows = []
+    for name in names:
+        axis = found[name]
+        text = "1 0 0" if axis is None else axis.get("xyz", "1 0 0")  # the default of URDF
+        rows.append([float(part) for part in text.split()])
+    axes = np.array(rows, dtype=np.float64).reshape(-1, 3)
+    return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))

@@ -14,6 +14,7 @@ from mgs.motion.cycle import find_cycle
 from mgs.motion_file.export import export_motion
 from mgs.motion_file.formats import FORMATS
 from tests.support.commands import files_below
+from tests.support.formats import needs_library
 from tests.support.shipped import generated
 
 
@@ -64,7 +65,7 @@ def content(path: Path) -> bytes | dict[str, bytes]:
     return files_below(path) if path.is_dir() else path.read_bytes()
 
 
-@pytest.mark.parametrize("fmt", FORMATS)
+@pytest.mark.parametrize("fmt", needs_library(FORMATS))
 def test_an_export_is_reproducible_and_overwrites_nothing_unasked(
     walk: Motion, fmt: str, tmp_path: Path
 ):
@@ -78,7 +79,7 @@ def test_an_export_is_reproducible_and_overwrites_nothing_unasked(
     assert list(tmp_path.iterdir()) == [path]
 
 
-@pytest.mark.parametrize("fmt", FORMATS)
+@pytest.mark.parametrize("fmt", needs_library(FORMATS))
 def test_an_export_that_cannot_be_written_raises_an_error_and_leaves_no_file(
     walk: Motion, fmt: str, tmp_path: Path
 ):
@@ -88,7 +89,9 @@ def test_an_export_that_cannot_be_written_raises_an_error_and_leaves_no_file(
     assert [p.name for p in tmp_path.iterdir()] == ["file"]
 
 
-@pytest.mark.parametrize("fmt", [name for name, found in FORMATS.items() if not found.suffix])
+@pytest.mark.parametrize(
+    "fmt", needs_library(name for name, found in FORMATS.items() if not found.suffix)
+)
 def test_a_folder_with_other_files_is_never_replaced(walk: Motion, fmt: str, tmp_path: Path):
     export_motion(walk, tmp_path / "a", fmt)
     (tmp_path / "a/notes.txt").write_text("mine")
@@ -98,7 +101,9 @@ def test_a_folder_with_other_files_is_never_replaced(walk: Motion, fmt: str, tmp
     assert files_below(tmp_path) == before
 
 
-@pytest.mark.parametrize("fmt", [name for name, found in FORMATS.items() if found.readable])
+@pytest.mark.parametrize(
+    "fmt", needs_library(name for name, found in FORMATS.items() if found.readable)
+)
 def test_an_export_reads_back_within_the_resolution_of_its_format(
     walk: Motion, fmt: str, tmp_path: Path
 ):

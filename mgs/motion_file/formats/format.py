@@ -13,8 +13,10 @@ units, order of joints and links, order of quaternions. Users read it (`mgs expo
 
 from __future__ import annotations
 
+import contextlib
+import dataclasses
 import importlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -67,7 +69,8 @@ class Format:
         Raises:
             MgsError: a library that the format needs is not installed.
         """
-        written: Written = self._module().write(sampled, path, options)
+        with self._libraries():
+            written: Written = self._module().write(sampled, path, options)
         return written
 
     def read(self, path: Path, robot: Robot | None = None) -> RecordedMotion:
@@ -84,8 +87,9 @@ class Format:
         module = self._module()
         if not hasattr(module, "read"):
             raise MgsError(f"{path}: files of format {self.name} cannot be read, only written")
-        recorded: RecordedMotion = module.read(path, robot)
-        return recorded
+        with self._libraries():
+            recorded: RecordedMotion = module.read(path, robot)
+        return recorded if robot is None else with_names(recorded, robot)
 
     @property
     def readable(self) -> bool:
@@ -98,18 +102,29 @@ class Format:
         return (self._module().__doc__ or "").strip()
 
     def _module(self) -> ModuleType:
+        return importlib.import_module(self.module)
+
+    @contextlib.contextmanager
+    def _libraries(self) -> Iterator[None]:
+        """Say how to install a library that is missing; formats import theirs when they run."""
         try:
-            return importlib.import_module(self.module)
+            yield
         except ModuleNotFoundError as error:
-            if (error.name or "").startswith("mgs"):
-                raise
-            raise needs(self.name, error.name or "", self.extra) from error
+            library = error.name or ""
+            how = f"pip install 'mgs[{self.extra}]'" if self.extra else f"pip install {library}"
+            raise MgsError(
+                f"format {self.name} needs {library}, which is not installed; {how} installs it"
+            ) from error
 
 
-def needs(name: str, library: str, extra: str) -> MgsError:
-    """Error of a format whose library is not installed."""
-    how = f"pip install 'mgs[{extra}]'" if extra else f"pip install {library}"
-    return MgsError(f"format {name} needs {library}, which is not installed; {how} installs it")
+def with_names(recorded: RecordedMotion, robot: Robot) -> RecordedMotion:
+    """A motion with the names of a robot's joints, if it has none and as many in a stated order."""
+    if recorded.joint_names is not None or recorded.order is None:
+        return recorded
+    names = robot_order(robot, recorded.order).joints
+    if len(names) != recorded.joints.shape[1]:
+        return recorded
+    return dataclasses.replace(recorded, joint_names=names)
 
 
 def chosen_joints(
