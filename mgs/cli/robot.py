@@ -46,9 +46,10 @@ def list_command(as_json: bool) -> None:
 @click.argument("name", metavar="NAME_OR_DIR")
 @json_option
 def show(name: str, as_json: bool) -> None:
-    """Show mass, soles, joints, limits and servos of a robot.
+    """Show mass, soles, joints, limits, servos and roles of a robot.
 
-    NAME_OR_DIR is the name of a shipped robot or a robot folder.
+    NAME_OR_DIR is the name of a shipped robot or a robot folder. Gaits for any robot name joints by
+    their roles, such as left_knee.
 
     \b
     Example:
@@ -56,11 +57,14 @@ def show(name: str, as_json: bool) -> None:
     """  # noqa: D301
     from mgs.core.contact import Side
     from mgs.robot import load_robot
+    from mgs.robot.roles import find_roles
 
     model = load_robot(name)
+    roles = {at.joint: role for role, at in find_roles(model).items()}
     joints = [
         {
             "joint": joint,
+            "role": roles.get(i),
             "servo": model.spec.joints[joint],
             "lower": float(model.lower[i]),
             "upper": float(model.upper[i]),
@@ -77,6 +81,7 @@ def show(name: str, as_json: bool) -> None:
     say(f"{model.spec.name}: {model.n} joints, {model.mass:.3f} kg, soles {soles} m")
     say(
         f"{'joint':24s} {'servo':8s} {'range [deg]':>16s} {'posture':>8s} {'rad/s':>6s} {'N m':>5s}"
+        "  role"
     )
     for row, joint in zip(joints, model.joint_names, strict=True):
         degrees = [
@@ -85,6 +90,7 @@ def show(name: str, as_json: bool) -> None:
         say(
             f"{joint:24s} {row['servo']!s:8s} {degrees[0]:7.1f} ..{degrees[1]:6.1f} "
             f"{degrees[2]:8.1f} {row['speed_limit']:6.2f} {row['stall_torque']:5.2f}"
+            f"  {row['role'] or '-'}"
         )
 
 

@@ -125,6 +125,12 @@ class BalanceParameters(Model):
     posture (standing with bent knees). A hand without a channel has no task: its position is free.
     """
 
+    sizes: Literal["given", "relative"] = Field(
+        "given",
+        description="given: displacements and com_height in m. relative, for any robot: those of "
+        "the centre of mass in multiples of the leg length, those of hands in multiples of the "
+        "arm length, com_height in multiples of its value at rest",
+    )
     duration: float = Field(gt=0.0, le=MAX_SECONDS, description="Duration of the whole motion [s].")
     rest: float = Field(
         0.5, ge=0.0, le=60.0, description="Duration of rest at the start and at the end [s]."

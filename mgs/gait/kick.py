@@ -36,6 +36,12 @@ class BallParameters(Model):
 class KickParameters(Model):
     """Parameters of a kick: weight shift, back-swing, strike through the ball, and return."""
 
+    sizes: Literal["given", "relative"] = Field(
+        "given",
+        description="given: lengths in m. relative, for any robot: lengths in multiples of the leg "
+        "length; radius and mass of the ball and durations that the file leaves out are derived "
+        "from the leg length; com_height in multiples of its value at rest",
+    )
     foot: Literal["left", "right"] = Field("right", description="Foot that kicks the ball.")
     ball: BallParameters = Field(default_factory=BallParameters, description="Ball that is kicked.")
     direction: float = Field(

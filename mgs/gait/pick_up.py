@@ -21,6 +21,11 @@ class PickUpParameters(Model):
     the soles; x points forward, y to the left, z up.
     """
 
+    sizes: Literal["given", "relative"] = Field(
+        "given",
+        description="given: lengths in m. relative, for any robot: object, width and clearance in "
+        "multiples of the leg length, payload in multiples of the mass of the robot",
+    )
     hand: Literal["left", "right", "both"] = Field(
         "right", description="Hand that picks up the object, or both hands."
     )

@@ -125,11 +125,12 @@ class WalkParameters(Model):
         "step_length, lateral and step_yaw are then the largest step sizes; 0: derived from the "
         "leg length. null: the footsteps are given by n_steps, steps or footsteps.",
     )
-    sizes: Literal["given", "robot"] = Field(
+    sizes: Literal["given", "robot", "relative"] = Field(
         "given",
-        description="Origin of the values that the file leaves out. given: the defaults listed "
-        "here; robot: step sizes, durations and the settings of the block com are derived from "
-        "leg length and soles of the robot.",
+        description="Origin of the sizes. given: values that the file leaves out are the defaults "
+        "listed here; robot: step sizes, durations and the settings of the block com that it "
+        "leaves out are derived from leg length and soles of the robot; relative: as robot, and "
+        "step_length, lateral and step_height are multiples of the leg length.",
     )
     step_length: Length = Field(
         0.0,

@@ -12,7 +12,22 @@ import math
 from typing import Any
 
 from mgs.core.constants import GRAVITY
-from mgs.gait import ComParameters, SingleGait, WalkGait, WalkParameters
+from mgs.gait import (
+    BalanceGait,
+    ComParameters,
+    KeyframesGait,
+    KickGait,
+    PickUpGait,
+    SingleGait,
+    WalkGait,
+    WalkParameters,
+)
+from mgs.motion_planner.scaled_standing import (
+    scaled_balance,
+    scaled_keyframes,
+    scaled_kick,
+    scaled_pick_up,
+)
 from mgs.robot import Robot, leg_length
 from mgs.robot.legs import missing_turn
 
@@ -21,17 +36,36 @@ SINGLE_SUPPORT, DOUBLE_SUPPORT = 2.0, 2.4  # in sqrt(L / g)
 QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT = 1.2, 0.5  # of robots that only sway their trunk
 QUICK_PASSES = 8  # passes of the dynamic filter for such robots
 REST = 1.8  # [s] before and after the steps; with less, hips exceed their RMS torque on some robots
+RELATIVE = frozenset({"step_length", "lateral", "step_height"})  # `sizes: relative` scales them
 DIGITS = 4  # decimal places of derived values
 
 
 def for_robot(gait: SingleGait, robot: Robot) -> SingleGait:
-    """The gait with `walk.sizes: robot` resolved; any other gait unchanged.
+    """The gait in metres, seconds and joint angles of the robot; unchanged with `sizes: given`.
 
-    Values that the gait file states stay; the others are derived from leg length and soles.
+    Raises:
+        ConfigError: the robot lacks a joint or a hand that the gait names.
     """
-    if not isinstance(gait, WalkGait) or gait.walk.sizes == "given":
-        return gait
-    walk = {**_walk_sizes(gait, robot), **_stated(gait.walk), "sizes": "given"}
+    if isinstance(gait, WalkGait) and gait.walk.sizes != "given":
+        return _scaled_walk(gait, robot)
+    if isinstance(gait, KeyframesGait) and gait.keyframes.sizes == "relative":
+        return scaled_keyframes(gait, robot)
+    if isinstance(gait, BalanceGait) and gait.balance.sizes == "relative":
+        return scaled_balance(gait, robot)
+    if isinstance(gait, KickGait) and gait.kick.sizes == "relative":
+        return scaled_kick(gait, robot)
+    if isinstance(gait, PickUpGait) and gait.pick_up.sizes == "relative":
+        return scaled_pick_up(gait, robot)
+    return gait
+
+
+def _scaled_walk(gait: WalkGait, robot: Robot) -> WalkGait:
+    """Values that the gait file states stay; the others are derived from leg length and soles."""
+    stated = _stated(gait.walk)
+    if gait.walk.sizes == "relative":
+        for name in RELATIVE & stated.keys():
+            stated[name] = round(stated[name] * leg_length(robot), DIGITS)
+    walk = {**_walk_sizes(gait, robot), **stated, "sizes": "given"}
     com = {**_com_sizes(robot), **_stated(gait.com)}
     blocks = {"walk": WalkParameters(**walk), "com": ComParameters(**com)}
     return WalkGait.model_validate(gait.model_copy(update=blocks).model_dump())

@@ -111,6 +111,7 @@ def _check_joint_names(spec: RobotSpec, names: tuple[str, ...], problems: list[s
         "posture": spec.posture,
         "limits": spec.limits,
         "motors": spec.motors,
+        "roles": spec.roles.values(),
     }
     named |= {f"groups.{group}": members for group, members in spec.groups.items()}
     for key, members in named.items():

@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from mgs.core.config import FormatVersion, Model, build
 from mgs.core.yaml_text import parse_yaml
 from mgs.robot.motors import MotorSpec
+from mgs.robot.role_names import checked_role
 from mgs.robot.servo_spec import ServoSpec
 
 MAX_LENGTH, MAX_MASS, MAX_ANGLE = 10.0, 1e4, 100.0  # [m], [kg], [rad]; larger: probably wrong unit
@@ -28,6 +29,9 @@ Rotation = Annotated[list[Angle], Field(min_length=3, max_length=3)]
 
 
 Range = Annotated[list[Angle], Field(min_length=2, max_length=2)]
+
+
+RoleName = Annotated[str, AfterValidator(checked_role)]
 
 
 class FrameSpec(Model):
@@ -115,6 +119,11 @@ class RobotSpec(Model):
         {},
         description="Lists of joints by name of the group, such as left_leg, for plots and for "
         "the check of symmetry.",
+    )
+    roles: dict[RoleName, str] = Field(
+        {},
+        description="Names of joints by role, such as left_knee, where the roles that mgs finds "
+        "(`mgs robot show`) are not the right ones. Gaits for any robot name joints by role.",
     )
     ignore_collisions: list[Annotated[list[str], Field(min_length=2, max_length=2)]] = Field(
         [],

@@ -325,6 +325,7 @@ def test_a_balance_motion_of_one_channel_has_the_documented_defaults():
     assert (tree["motion"], tree["dt"], tree["robot"]) == ("balance", 0.01, None)
     assert tree["ik"] == walk_gait().model_dump()["ik"]
     assert tree["balance"] == {
+        "sizes": "given",
         "duration": 4.0,
         "rest": 0.5,
         "ease": 1.0,
