@@ -191,9 +191,9 @@ def test_a_heavy_or_dangerous_library_is_known_in_one_place(library: str):
     assert users <= OWNERS[library]
 
 
-def test_only_gaits_robots_and_batches_are_read_from_yaml():
+def test_only_gaits_robots_batches_and_motions_of_others_are_read_from_yaml():
     readers = {place(path) for path in FILES if "mgs.core.yaml_text.parse_yaml" in imports(path)}
-    assert readers <= {"core", "gait", "robot", "library"}
+    assert readers <= {"core", "gait", "robot", "library", "motion_file"}
 
 
 @pytest.mark.parametrize("name", ["mgs", "mgs.cli"])

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from mgs.cli.common import FiniteRange, force_option, json_option, motion_argument, print_json, say
+from mgs.cli.common import force_option, json_option, motion_argument, print_json, say
+from mgs.cli.export_options import Choice, export_options
 from mgs.motion_file.formats import FORMATS
 
 if TYPE_CHECKING:
     from mgs.motion_file.export import Exported
-    from mgs.robot.orders import Order
 
 WIDTH = max(len(name) for name in FORMATS) + 2
 LIST = "\n".join(f"  {name:<{WIDTH}}{found.summary}" for name, found in FORMATS.items())
@@ -37,26 +37,7 @@ def _print_layout(ctx: click.Context, _: click.Parameter, name: str | None) -> N
     help="File or folder to write. Default: path of FILE.mcap with the name and the ending of the "
     "format.",
 )  # fmt: skip
-@click.option(
-    "--fps", type=FiniteRange(min=0.0, min_open=True),
-    help="Frames per second [Hz]. Default: the rate that readers of the format expect, else the "
-    "planned samples.",
-)  # fmt: skip
-@click.option(
-    "--joints", metavar="NAMES",
-    help="Names of the joints to write, separated by commas, in this order; or @FILE with one name "
-    "per line. Default: all joints in the order of the format.",
-)  # fmt: skip
-@click.option(
-    "--order", type=click.Choice(["depth-first", "breadth-first"]),
-    help="Order of joints and links: depth-first as MuJoCo counts them, breadth-first as Isaac Lab "
-    "does. Default: the order that the format is defined with.",
-)  # fmt: skip
-@click.option(
-    "--links", type=click.Choice(["moving", "all"]), default="moving", show_default=True,
-    help="Links to write: moving ones, into which fixed links are merged, or all links of the "
-    "URDF.",
-)  # fmt: skip
+@export_options
 @click.option(
     "--cycle", "as_cycle", is_flag=True,
     help="Export two steps from the middle of a walk, made exactly periodic, instead of the whole "
@@ -73,10 +54,7 @@ def export(
     file: Path,
     fmt: str,
     output: Path | None,
-    fps: float | None,
-    joints: str | None,
-    order: Order | None,
-    links: Any,
+    choice: Choice,
     as_cycle: bool,
     force: bool,
     as_json: bool,
@@ -93,33 +71,35 @@ def export(
       mgs export walk.mcap --format npz -o walk.npz
       mgs export walk.mcap --cycle -o cycle.csv
       mgs export walk.mcap --format unitree-csv --fps 50
+      mgs export walk.mcap --format dynamixel --motors motors.yaml --unit number_7.yaml
     """  # noqa: D301
     from mgs.core.atomic_files import refuse_place
     from mgs.motion.cycle import find_cycle
     from mgs.motion_file import read_motion
     from mgs.motion_file.export import export_motion
-    from mgs.motion_file.formats import Options
+    from mgs.robot.unit import load_unit
 
     suffix = FORMATS[fmt].suffix
     path = output or file.with_suffix(suffix if fmt in ("csv", "npz") else f".{fmt}{suffix}")
     refuse_place(path, not suffix, force)
-    options = Options(None if joints is None else _joint_names(joints), order, links)
+    options = choice.options()
     motion = read_motion(file)
     cycle = find_cycle(motion) if as_cycle else None
-    exported = export_motion(motion, path, fmt, cycle, fps=fps, options=options, force=force)
+    exported = export_motion(
+        motion,
+        path,
+        fmt,
+        cycle,
+        fps=choice.fps,
+        options=options,
+        unit=None if choice.unit is None else load_unit(choice.unit, motion.robot),
+        feed_forward=choice.feed_forward,
+        force=force,
+    )
     if as_json:
         print_json(_figures(exported))
     else:
         _tell(exported)
-
-
-def _joint_names(text: str) -> tuple[str, ...]:
-    """Names of joints in a text, or in the file that it names after @."""
-    if text.startswith("@"):
-        from mgs.core.input_files import read_text
-
-        return tuple(read_text(Path(text[1:]), kind="a list of joints").replace(",", "\n").split())
-    return tuple(name.strip() for name in text.split(",") if name.strip())
 
 
 def _tell(exported: Exported) -> None:

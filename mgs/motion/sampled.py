@@ -56,6 +56,7 @@ class SampledMotion:
     v: Array  # (T, 6 + n) base twist in the base frame, joint velocities
     joint_acceleration: Array  # (T, n) [rad/s^2]
     support: NDArray[np.int8]  # (T,) values of Support
+    plan: SampledMotion | None = None  # what it was before its joints became commands
 
     __repr__ = short_repr
 

@@ -11,13 +11,17 @@ from mgs.core.atomic_files import refuse_place, replacing_path
 from mgs.core.errors import ConfigError, MgsError
 from mgs.core.foreign import told_as
 from mgs.core.short_repr import short_repr
+from mgs.core.short_text import clipped
 from mgs.core.wrong_type import given_path
 from mgs.motion import Motion
+from mgs.motion.commanded import commanded
 from mgs.motion.cycle import Cycle, find_cycle
 from mgs.motion.sampled import SampledMotion, sample
 from mgs.motion_file.formats import FORMATS, Format, Options, Written, find_format
 from mgs.motion_file.read import read_motion
+from mgs.robot import read_motors, servos_of
 from mgs.robot.orders import Order
+from mgs.robot.unit import Unit, load_unit, servos_of_unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +44,8 @@ def export_motion(
     *,
     fps: float | None = None,
     options: Options | None = None,
+    unit: Unit | None = None,
+    feed_forward: bool = False,
     force: bool = False,
 ) -> Exported:
     """Write a motion, or one cycle of it.
@@ -51,7 +57,10 @@ def export_motion(
         cycle: of this motion; None: all of it.
         fps: frames per second [Hz]; None: those that readers of the format expect (of a cycle, the
             nearest rate at which it is a whole number of frames), or the planned samples.
-        options: joints and order; None: those of the format.
+        options: joints, order, motors and so on; None: those of the format and of robot.yaml.
+        unit: corrections of one physical robot, for which joint angles become commands; None: none.
+        feed_forward: write commands that compensate the yielding of the servos of robot.yaml, with
+            the stiffness of the unit where it states one.
         force: replace an existing file, or a folder in which nothing else is.
 
     Raises:
@@ -63,7 +72,24 @@ def export_motion(
     refuse_place(path, not chosen.suffix, force)
     rate = chosen.fps if fps is None else fps
     sampled = sample(motion, rate, cycle, closed=chosen.closed, nearest=fps is None)
-    return write_sampled(sampled, path, chosen, options, force=force)
+    servos = servos_of(motion.robot) if feed_forward else None
+    if servos is not None and unit is not None:
+        servos = servos_of_unit(servos, unit)
+    options = options or Options()
+    remarks = (*options.remarks, *_remarks(unit, feed_forward))
+    options = dataclasses.replace(options, remarks=remarks)
+    return write_sampled(commanded(sampled, unit, servos), path, chosen, options, force=force)
+
+
+def _remarks(unit: Unit | None, feed_forward: bool) -> tuple[str, ...]:
+    """What readers of a file should know of its joint angles."""
+    remarks = []
+    if feed_forward:
+        remarks.append("joint angles are feed-forward commands for the servos of robot.yaml")
+    if unit is not None:
+        name = clipped(unit.name, 100)  # one line without control characters
+        remarks.append(f"joint angles are commands corrected for the physical robot {name}")
+    return tuple(remarks)
 
 
 def write_sampled(
@@ -105,6 +131,9 @@ def export(
     joints: Sequence[str] | None = None,
     order: Order | None = None,
     cycle: bool = False,
+    motors: str | Path | None = None,
+    unit: str | Path | None = None,
+    feed_forward: bool = False,
     force: bool = False,
 ) -> Path:
     """Write a motion for other programs.
@@ -119,6 +148,9 @@ def export(
         joints: names of the joints to write, in this order; None: all, in the order of the format.
         order: "depth-first" or "breadth-first" order of joints and links; None: that of the format.
         cycle: two steps from the middle of a walk, made exactly periodic, instead of all of it.
+        motors: file of the motors on the bus; None: those of robot.yaml.
+        unit: file with the corrections of one physical robot; None: none.
+        feed_forward: write commands that compensate the yielding of the servos of robot.yaml.
         force: replace an existing file.
 
     Returns:
@@ -141,7 +173,21 @@ def export(
         )
     find_format(wanted)
     given = read_motion(motion)
-    options = Options(None if joints is None else tuple(joints), order)
-    found = find_cycle(given) if cycle else None
-    export_motion(given, path, wanted, found, fps=fps, options=options, force=force)
+    options = Options(
+        joints=None if joints is None else tuple(joints),
+        order=order,
+        motors=None if motors is None else read_motors(Path(motors)),
+        motors_file=str(motors or ""),
+    )
+    export_motion(
+        given,
+        path,
+        wanted,
+        find_cycle(given) if cycle else None,
+        fps=fps,
+        options=options,
+        unit=None if unit is None else load_unit(Path(unit), given.robot),
+        feed_forward=feed_forward,
+        force=force,
+    )
     return path

@@ -12,6 +12,7 @@ bounds the rate of the command where the load changes sides.
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -27,6 +28,7 @@ from mgs.core.input_files import read_text
 from mgs.core.short_repr import short_repr
 from mgs.core.yaml_text import dump_yaml, parse_yaml
 from mgs.robot.robot import Robot
+from mgs.robot.servos import Servos
 
 SLACK = 0.01  # part of the stall torque at which the teeth lie firmly on one side
 
@@ -106,8 +108,12 @@ class Unit:
 
     def yielding(self, torque: Array) -> Array:
         """Angles (..., n) [rad] by which joints stay behind under load (..., n) [N m]."""
+        return np.asarray(self.compliance * torque + self.play(torque))
+
+    def play(self, torque: Array) -> Array:
+        """The part of `yielding` that is the play of the gears."""
         side = np.clip(torque / (SLACK * self.torque_limit), -1.0, 1.0)
-        return np.asarray(self.compliance * torque + 0.5 * self.backlash * side)
+        return np.asarray(0.5 * self.backlash * side)
 
 
 def load_unit(path: Path, robot: Robot) -> Unit:
@@ -146,6 +152,13 @@ def unit_of(spec: UnitSpec, robot: Robot, source: str | Path = "unit") -> Unit:
         compliance=np.array([1.0 / row.stiffness if row.stiffness else 0.0 for row in rows]),
         torque_limit=robot.torque_limit,
     )
+
+
+def servos_of_unit(servos: Servos, unit: Unit) -> Servos:
+    """Servos with the stiffness of a physical robot where it is known."""
+    known = unit.compliance > 0.0
+    stiffness = np.where(known, 1.0 / np.where(known, unit.compliance, 1.0), servos.stiffness)
+    return dataclasses.replace(servos, stiffness=stiffness)
 
 
 def write_unit(spec: UnitSpec, path: Path, *, force: bool = False) -> None:

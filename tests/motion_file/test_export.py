@@ -13,6 +13,7 @@ from mgs.motion import Motion
 from mgs.motion.cycle import find_cycle
 from mgs.motion_file.export import export_motion
 from mgs.motion_file.formats import FORMATS
+from tests.support.bus_robots import motion_for
 from tests.support.commands import files_below
 from tests.support.formats import needs_library
 from tests.support.shipped import generated
@@ -69,12 +70,12 @@ def content(path: Path) -> bytes | dict[str, bytes]:
 def test_an_export_is_reproducible_and_overwrites_nothing_unasked(
     walk: Motion, fmt: str, tmp_path: Path
 ):
-    path = tmp_path / "a"
-    export_motion(walk, path, fmt)
+    path, motion = tmp_path / "a", motion_for(fmt, walk)
+    export_motion(motion, path, fmt)
     first = content(path)
     with pytest.raises(OutputExistsError):
-        export_motion(walk, path, fmt)
-    export_motion(walk, path, fmt, force=True)
+        export_motion(motion, path, fmt)
+    export_motion(motion, path, fmt, force=True)
     assert content(path) == first
     assert list(tmp_path.iterdir()) == [path]
 
@@ -85,7 +86,7 @@ def test_an_export_that_cannot_be_written_raises_an_error_and_leaves_no_file(
 ):
     (tmp_path / "file").write_text("")
     with pytest.raises(MgsError, match="cannot be written"):
-        export_motion(walk, tmp_path / "file/a", fmt)
+        export_motion(motion_for(fmt, walk), tmp_path / "file/a", fmt)
     assert [p.name for p in tmp_path.iterdir()] == ["file"]
 
 
@@ -93,11 +94,12 @@ def test_an_export_that_cannot_be_written_raises_an_error_and_leaves_no_file(
     "fmt", needs_library(name for name, found in FORMATS.items() if not found.suffix)
 )
 def test_a_folder_with_other_files_is_never_replaced(walk: Motion, fmt: str, tmp_path: Path):
-    export_motion(walk, tmp_path / "a", fmt)
+    motion = motion_for(fmt, walk)
+    export_motion(motion, tmp_path / "a", fmt)
     (tmp_path / "a/notes.txt").write_text("mine")
     before = files_below(tmp_path)
     with pytest.raises(MgsError, match=r"holds notes.txt, which is not replaced"):
-        export_motion(walk, tmp_path / "a", fmt, force=True)
+        export_motion(motion, tmp_path / "a", fmt, force=True)
     assert files_below(tmp_path) == before
 
 
@@ -107,11 +109,13 @@ def test_a_folder_with_other_files_is_never_replaced(walk: Motion, fmt: str, tmp
 def test_an_export_reads_back_within_the_resolution_of_its_format(
     walk: Motion, fmt: str, tmp_path: Path
 ):
-    exported = export_motion(walk, tmp_path / "a", fmt)
-    recorded = FORMATS[fmt].read(tmp_path / "a", walk.robot)
-    names, sampled = exported.written.joints, exported.sampled
-    assert recorded.joint_names in (None, names)
-    index = [walk.robot.joint_names.index(name) for name in names]
+    motion = motion_for(fmt, walk)
+    exported = export_motion(motion, tmp_path / "a", fmt)
+    recorded = FORMATS[fmt].read(tmp_path / "a", motion.robot)
+    sampled = exported.sampled
+    names = recorded.joint_names or exported.written.joints
+    assert sorted(names) == sorted(exported.written.joints)
+    index = [motion.robot.joint_names.index(name) for name in names]
     assert np.abs(recorded.joints - sampled.joints[:, index]).max() <= FORMATS[fmt].resolution
     assert recorded.fps is None or recorded.fps == pytest.approx(sampled.fps, rel=1e-6)
     if recorded.base_position is not None:

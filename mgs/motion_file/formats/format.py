@@ -16,7 +16,8 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import importlib
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -28,7 +29,7 @@ from mgs.core.errors import ConfigError, MgsError
 from mgs.core.plugins import unknown_name
 from mgs.motion.sampled import SampledMotion
 from mgs.motion_file.formats.recorded import RecordedMotion
-from mgs.robot import Robot
+from mgs.robot import Motors, MotorSpec, Robot, motors_of
 from mgs.robot.orders import Links, Order, robot_order
 
 
@@ -39,6 +40,26 @@ class Options:
     joints: tuple[str, ...] | None = None  # in this order; None: all, in the order of the format
     order: Order | None = None  # of joints and links; None: that of the format
     links: Links = "moving"
+    motors: Mapping[str, MotorSpec] | None = None  # by joint; None: those of robot.yaml
+    motors_file: str = ""  # where they are from, for messages
+    approach: float = 2.0  # of a player that begins in any posture, to the first frame [s]
+    tolerance: float = math.radians(0.5)  # of a joint, for formats of few keyframes [rad]
+    remarks: tuple[str, ...] = ()  # what the file should tell its readers, where it can
+
+    def motors_of(self, robot: Robot, joints: Sequence[str]) -> Motors:
+        """Motors of some joints of a robot, in their order.
+
+        Raises:
+            ConfigError: a joint has no motor.
+        """
+        given = robot.spec.motors if self.motors is None else self.motors
+        chosen = {name: spec for name, spec in given.items() if name not in robot.joint_names}
+        chosen |= {name: given[name] for name in joints if name in given}
+        return motors_of(chosen, joints, self.motors_source(robot))
+
+    def motors_source(self, robot: Robot) -> str:
+        """File that the motors are from, for messages."""
+        return robot.source if self.motors is None else self.motors_file
 
 
 @dataclass(frozen=True)
