@@ -11,6 +11,8 @@ import math
 from collections.abc import Iterator
 from xml.etree import ElementTree
 
+from mgs.robot.urdf_form import misshapen
+
 # number of values and, if it is a size, that all of them have to be positive
 NUMBERS = {
     ("origin", "xyz"): (3, False),
@@ -56,7 +58,9 @@ def malformed(root: ElementTree.Element, text: str) -> list[str]:
                     f"{part.tag} {name}{where}: {element.tag} {key} = {value[:MOST_SHOWN]!r} "
                     f"{problem}"
                 )
-        problems += _of_link(part) if part.tag == "link" else _of_joint(part)
+        problems += misshapen(part)
+        if part.tag == "joint":
+            problems += _of_joint(part)
     return problems
 
 
@@ -97,13 +101,6 @@ def _problem(tag: str, key: str, value: str) -> str:
     if (tag, key) == ("mass", "value") and numbers[0] < 0.0:
         return "has to be 0 kg or more"
     return ""
-
-
-def _of_link(link: ElementTree.Element) -> list[str]:
-    inertial = link.find("inertial")
-    if inertial is not None and (inertial.find("mass") is None):
-        return [f"link {link.get('name')}: its inertial element has no mass; add <mass value>"]
-    return []
 
 
 def _of_joint(joint: ElementTree.Element) -> list[str]:

@@ -7,7 +7,6 @@ import os
 import resource
 import signal
 import sys
-import time
 import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ import mgs.core.limits
 mgs.core.limits.MAX_SAMPLES = 2000
 
 import distributed  # noqa: E402, F401
+import mujoco  # noqa: E402, F401
 import pinocchio  # noqa: E402, F401
 
 import mgs.cli  # noqa: E402
@@ -28,11 +28,14 @@ import mgs.cli.generate  # noqa: E402
 import mgs.cli.inspect  # noqa: E402
 import mgs.cli.judge  # noqa: E402
 import mgs.cli.library  # noqa: E402
+import mgs.cli.report  # noqa: E402
 import mgs.cli.robot  # noqa: E402
+import mgs.judge.validate  # noqa: E402
 import mgs.library.points  # noqa: E402
 import mgs.library.query  # noqa: E402
 import mgs.motion_file  # noqa: E402
 import mgs.pipeline.request  # noqa: E402
+import mgs.report.page  # noqa: E402
 import mgs.robot.init  # noqa: E402
 
 MOST_SECONDS = 20.0  # [s] of CPU time
@@ -111,8 +114,3 @@ def _run(arguments: Sequence[str], folder: Path, out: Path, err: Path) -> None:
                 stream.flush()
     finally:
         os._exit(code)
-
-
-def wait_a_moment() -> None:
-    """Let a process that was started by a command end."""
-    time.sleep(0.01)

@@ -7,7 +7,6 @@ import json
 import random
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,72 +14,15 @@ from typing import Any
 import yaml
 from hypothesis import strategies as st
 
-from mgs.core.shipped import shipped_folder
 from mgs.library.manifest import writing
 from mgs.library.points import plan_sweep
 from mgs.library.run import identity_of, recipe_of
 from mgs.motion_file import motion_bytes
 from mgs.pipeline.request import generate
+from tests.fuzz.case import Case
+from tests.fuzz.changes import changed_bytes, changed_text, changed_tree, changed_yaml, shipped
+from tests.fuzz.robots import changed_urdf, robot, urdf
 from tests.support.rewriting import rewritten
-
-SCALARS: list[Any] = [
-    *(0, 1, -1, 3.0, 1e308, -1e308, 1e-320, float("nan"), float("inf"), 2**63, 10**400, True, None),
-    *(
-        "",
-        "\0",
-        "\x1b[31m",
-        "a" * 5000,
-        "$x^{$",
-        "../../../etc/hostname",
-        "<&>'\"",
-        "world",
-        "base",
-    ),
-    *("010", "1:30", "é\u2028", [], {}, [[[[1]]]], {"a": {"b": 1}}, [1, 2, 3], [0.1] * 3, "melson"),
-]
-ATTRIBUTES = ["0", "-1", "1e308", "1e-320", "nan", "inf", "nan nan nan", "0 0 0", "1 2", "", "${a}"]
-ATTRIBUTES += [
-    "world",
-    "base",
-    "root_joint",
-    "universe",
-    "&#27;[31m",
-    "a" * 3000,
-    "&#xd7ff;",
-    "\xff",
-]
-FRAGMENTS = ["&a ", "*a", "!!int ", "\t", "\r", "\ufeff", "\0", "- ", ": ", "{", "}", "[", "]", "#"]
-FRAGMENTS += [
-    '"',
-    "'",
-    "|",
-    "<<: ",
-    "1_0",
-    "07",
-    "\\ud800",
-    "\x1b",
-    "<",
-    ">",
-    "&lt;",
-    "<!--",
-    "]]>",
-]
-
-
-@dataclass(frozen=True)
-class Case:
-    """Files in an empty folder, and a command about them."""
-
-    kind: str
-    files: dict[str, bytes]
-    command: tuple[str, ...]
-
-
-@cache
-def shipped(kind: str, name: str) -> str:
-    """Text of a file that ships with mgs."""
-    return (shipped_folder("gaits" if kind == "gaits" else "robots") / name).read_text()
-
 
 GAITS = [f"{robot}/{name}.yaml" for robot, name in (
     ("melson", "walk_5cm"), ("melson", "bow"), ("melson", "kick"), ("melson", "pick_up"),
@@ -94,166 +36,41 @@ SWEEPS: list[dict[str, Any]] = [
     {"mgs": 1, "base": "melson/walk_5cm", "axes": {"dt": {"logspace": [0.001, 0.1, 3]},
      "walk.step_length": {"linspace": [0.0, 0.1, 3]}}},
 ]  # fmt: skip
+FREQUENT = [
+    ("info", "a.mcap", "--json"), ("validate", "a.mcap", "--physics", "none", "--json"),
+    ("export", "a.mcap", "-o", "out.csv"), ("export", "a.mcap", "--cycle", "-o", "out/a.npz"),
+]  # fmt: skip
+MOTION_COMMANDS = FREQUENT * 4 + [
+    ("report", "a.mcap", "-o", "out/a.html"), ("plot", "a.mcap", "-o", "out"),
+    ("replay", "a.mcap", "--physics", "mujoco", "--json"),
+]  # fmt: skip
 TABLE = "walk.step_length,walk.n_steps\n0.03,4\n0.05,6\n"
 QUERIES = [
-    "speed > 0.1 and survived",
-    "number in [1, 2] or not verdict == 'pass'",
-    "abs(vx) / 2 < 1",
-]
+    "speed > 0.1 and survived", "number in [1, 2] or not verdict == 'pass'", "abs(vx) / 2 < 1",
+]  # fmt: skip
 TOKENS = [
-    "and",
-    "or",
-    "not",
-    "(",
-    ")",
-    "[",
-    "]",
-    "in",
-    "is",
-    "None",
-    "==",
-    "<",
-    "number",
-    "vx",
-    "-",
+    *("and", "or", "not", "(", ")", "[", "]", "in", "is", "None", "==", "<", "number", "vx", "-"),
+    *("abs(", "1e999", "9223372036854775808", "'a'", '"', "\0", "\ud800", "*", "/", "lambda:", ","),
 ]
-TOKENS += [
-    "abs(",
-    "1e999",
-    "9223372036854775808",
-    "'a'",
-    '"',
-    "\0",
-    "\ud800",
-    "*",
-    "/",
-    "lambda:",
-    ",",
-]
-
-
-def _paths(tree: Any, at: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-    """Keys and indices that lead to every value inside a tree."""
-    items = (
-        tree.items()
-        if isinstance(tree, dict)
-        else enumerate(tree if isinstance(tree, list) else ())
-    )
-    return [path for key, value in items for path in [(*at, key), *_paths(value, (*at, key))]]
-
-
-def changed_tree(tree: Any, rng: random.Random) -> Any:
-    """Tree with a few values replaced, removed or added."""
-    tree = json.loads(json.dumps(tree))
-    for _ in range(rng.randint(1, 3)):
-        paths = _paths(tree)
-        if not paths:
-            break
-        *parents, last = rng.choice(paths)
-        node = tree
-        for key in parents:
-            node = node[key]
-        match rng.randrange(4):
-            case 0:
-                del node[last]
-            case 1 if isinstance(node, dict):
-                node[rng.choice(["x", "", "goal", "steps", "\x1b"])] = rng.choice(SCALARS)
-            case _:
-                node[last] = rng.choice(SCALARS)
-    return tree
-
-
-def changed_text(text: str, rng: random.Random) -> str:
-    """Text with a few pieces inserted, removed, repeated or replaced."""
-    for _ in range(rng.randint(1, 4)):
-        at, length = rng.randrange(len(text) + 1), rng.choice([1, 1, 2, 10, 100])
-        piece = rng.choice(
-            [rng.choice(FRAGMENTS), text[at : at + length] * rng.choice([2, 50]), ""]
-        )
-        text = text[:at] + piece + text[at + rng.choice([0, length]) :]
-    return text
-
-
-def changed_bytes(data: bytes, rng: random.Random) -> bytes:
-    """Bytes with a few of them changed, removed or repeated."""
-    found = bytearray(data)
-    for _ in range(rng.randint(1, 8)):
-        at = rng.randrange(len(found) + 1)
-        match rng.randrange(4):
-            case 0:
-                del found[at : at + rng.choice([1, 8, 1000])]
-            case 1:
-                found[at:at] = found[at : at + rng.choice([1, 8, 1000])]
-            case _ if at < len(found):
-                found[at] = rng.choice([0, 255, rng.randrange(256)])
-            case _:
-                pass
-    return bytes(found)
-
-
-def _yaml(tree: Any, rng: random.Random) -> bytes:
-    text = yaml.safe_dump(
-        changed_tree(tree, rng), allow_unicode=rng.random() < 0.5, sort_keys=False
-    )
-    if rng.random() < 0.3:
-        text = changed_text(text, rng)
-    return text.encode("utf-8", "replace")
 
 
 def gait(rng: random.Random) -> Case:
     """A gait file, to be generated."""
     text = shipped("gaits", rng.choice(GAITS))
     data = (
-        _yaml(yaml.safe_load(text), rng) if rng.random() < 0.6 else changed_text(text, rng).encode()
+        changed_yaml(yaml.safe_load(text), rng)
+        if rng.random() < 0.6
+        else changed_text(text, rng).encode()
     )
     command = ("generate", "a.yaml", "--robot", "melson", "-o", "out/a.mcap")
     return Case("gait", {"a.yaml": data}, command)
 
 
-def robot(rng: random.Random) -> Case:
-    """A robot folder, to be shown or checked."""
-    spec, urdf = (shipped("robots", f"melson/{name}") for name in ("robot.yaml", "robot.urdf"))
-    data, text = spec.encode(), urdf
-    if rng.random() < 0.5:
-        data = _yaml(yaml.safe_load(spec), rng)
-    else:
-        text = _changed_urdf(urdf, rng)
-    files = {"r/robot.yaml": data, "r/robot.urdf": text.encode("utf-8", "replace")}
-    return Case("robot", files, ("robot", rng.choice(["show", "check"]), "r"))
-
-
-def urdf(rng: random.Random) -> Case:
-    """A URDF, of which a robot is to be made."""
-    text = _changed_urdf(shipped("robots", f"{rng.choice(['melson', 'coman'])}/robot.urdf"), rng)
-    command = ("robot", "init", "a.urdf", "-o", "out")
-    return Case("urdf", {"a.urdf": text.encode("utf-8", "replace")}, command)
-
-
-def _changed_urdf(text: str, rng: random.Random) -> str:
-    """URDF with values of attributes replaced, elements repeated, or its text changed."""
-    lines = text.splitlines(keepends=True)
-    for _ in range(rng.randint(1, 4)):
-        at = rng.randrange(len(lines))
-        match rng.randrange(4):
-            case 0:
-                del lines[at]
-            case 1:
-                lines.insert(at, lines[rng.randrange(len(lines))] * rng.choice([1, 2, 200]))
-            case 2:
-                lines[at] = changed_text(lines[at], rng)
-            case _:
-                head, quote, rest = lines[at].partition('="')
-                if quote:
-                    after = rest.partition('"')[2]
-                    lines[at] = f'{head}="{rng.choice(ATTRIBUTES)}"{after}'
-        if not lines:
-            break
-    return "".join(lines)
-
-
 def sweep(rng: random.Random) -> Case:
     """A sweep file, to be planned."""
-    return Case("sweep", {"s.yaml": _yaml(rng.choice(SWEEPS), rng)}, ("batch", "plan", "s.yaml"))
+    return Case(
+        "sweep", {"s.yaml": changed_yaml(rng.choice(SWEEPS), rng)}, ("batch", "plan", "s.yaml")
+    )
 
 
 def table(rng: random.Random) -> Case:
@@ -276,10 +93,7 @@ def motion_file(rng: random.Random) -> Case:
         data = changed_bytes(motion(), rng)
     else:
         data = rewritten(motion(), library=rng.choice(["other", None]), change=_change_of(rng))
-    command = rng.choice([
-        ("info", "a.mcap", "--json"), ("validate", "a.mcap", "--physics", "none", "--json"),
-        ("export", "a.mcap", "-o", "out.csv"),
-    ])  # fmt: skip
+    command = rng.choice(MOTION_COMMANDS)
     return Case("motion file", {"a.mcap": data}, command)
 
 
@@ -292,9 +106,9 @@ def _change_of(rng: random.Random) -> Callable[[Any], None]:
         if name == chosen and hasattr(record, "data"):
             text = record.data.decode()
             if chosen == "robot.urdf":
-                record.data = _changed_urdf(text, rng).encode("utf-8", "replace")
+                record.data = changed_urdf(text, rng).encode("utf-8", "replace")
             else:
-                record.data = _yaml(yaml.safe_load(text), rng)
+                record.data = changed_yaml(yaml.safe_load(text), rng)
         elif chosen == "metadata" and hasattr(record, "metadata") and hasattr(record, "name"):
             key = rng.choice(sorted(record.metadata))
             value = record.metadata[key]
@@ -355,11 +169,3 @@ KINDS: dict[str, Callable[[random.Random], Case]] = {
 def cases(kind: str) -> st.SearchStrategy[Case]:
     """Strategy of the inputs of a kind; the seed of what is random in one is what it draws."""
     return st.integers(0, 2**64 - 1).map(lambda seed: KINDS[kind](random.Random(seed)))
-
-
-def write(case: Case, folder: Path) -> None:
-    """Write the files of a case into a folder."""
-    for name, data in case.files.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(data)

@@ -10,8 +10,10 @@ from pathlib import Path
 
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
+from tests.fuzz.case import Case, write
 from tests.fuzz.child import Ending, run_in_child
-from tests.fuzz.inputs import KINDS, Case, cases, write
+from tests.fuzz.inputs import KINDS, cases
+from tests.fuzz.robots import dropped
 
 
 @dataclass
@@ -38,6 +40,10 @@ def tried(case: Case, folder: Path) -> tuple[Ending, str]:
         problem = f"left {', '.join(sorted(left)[:3])}"
     if not problem and "--json" in case.command and ending.stdout and not _is_json(ending.stdout):
         problem = "no valid JSON"
+    if not problem and case.kind == "urdf" and ending.code == 1:
+        problem = "exit code 1 from a malformed robot"
+    if not problem and case.kind in ("urdf", "robot") and ending.code == 0:
+        problem = dropped(case, ending.stdout, work)
     return ending, problem
 
 

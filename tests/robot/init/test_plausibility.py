@@ -65,7 +65,7 @@ REFUSED = {
     ),
     "an inertial element without a mass": (
         in_link(SHIN, '<mass value="[^"]*"/>', ""),
-        f"link {SHIN}: its inertial element has no mass",
+        f"link {SHIN}: inertial has no mass; add <mass value>",
     ),
     "an axis without direction": (
         in_joint("left_knee_pitch", '<axis xyz="[^"]*"', '<axis xyz="0 0 0"'),
