@@ -149,6 +149,8 @@ def tune(
     task = make_task(
         wanted.robot, wanted.gait, engines=engines, n_draws=asked.pop("draws"), **asked
     )
+    if not resume:
+        journal.unlink(missing_ok=True)  # it may be replaced, see above
     if minutes is None and trials is None:
         minutes = DEFAULT_MINUTES
     line = _BestLine(task.objective, minutes, trials)
@@ -167,19 +169,25 @@ def tune(
 
 
 def _journal(path: Path, resume: bool, force: bool) -> Path:
-    """Path of the journal; raises OutputExistsError if a file is in the way."""
+    """Path of the journal; refuses what is in the way before any work is done."""
+    from mgs.core.atomic_files import refuse_taken
+
     journal = path.with_suffix(".journal")
+    if path.suffix in (".journal", ".md", ".png"):
+        raise ConfigError(
+            "--output", f"{path.name} is the name of a file beside the gait; use the ending .yaml"
+        )
     for file in (path, path.with_suffix(".md"), path.with_suffix(".png")):
-        if file.exists() and not (force or resume):
-            raise OutputExistsError(file)
-    if resume and not journal.exists():
-        raise ConfigError("--resume", f"{journal} does not exist; leave the option out")
-    if journal.exists() and not resume:
-        if not force:
-            error = OutputExistsError(journal)
-            error.remedy = "--resume continues the search in it"
-            raise error
-        journal.unlink()
+        refuse_taken(file, force or resume)
+    if resume:
+        if not journal.exists():
+            raise ConfigError("--resume", f"{journal} does not exist; leave the option out")
+        return journal
+    try:
+        refuse_taken(journal, force)
+    except OutputExistsError as error:
+        error.remedy = "--resume continues the search in it"
+        raise
     return journal
 
 

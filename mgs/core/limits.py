@@ -36,6 +36,9 @@ MAX_BALLS = 10  # on the floor
 MAX_RECORDING = 1_000_000_000  # [bytes] of a motion in a format of another program, unpacked
 MAX_CHANNELS = 3000  # columns of such a motion, or joints or links of it
 
+# Searches
+MAX_JOURNAL = 100_000_000  # [bytes] of the journal of `mgs tune`; a walk takes about 3 kB
+
 # Sweeps and gait libraries
 MAX_GAITS = 1_000_000  # of a library
 MAX_VALUES = 5_000_000  # gaits times varied keys

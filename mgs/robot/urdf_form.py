@@ -82,7 +82,7 @@ def _of(tag: str, element: ElementTree.Element) -> list[str]:
 def _misspelt(names: Collection[str], known: tuple[str, ...]) -> dict[str, str]:
     """Known names that are missing, with the unknown ones that resemble them."""
     lacking = {name.lower(): name for name in known if name not in names}
-    meant = {}
+    meant: dict[str, str] = {}
     for name in names:
         if name not in known and lacking:
             near = difflib.get_close_matches(name.lower()[:30], lacking, n=1, cutoff=NEAR)

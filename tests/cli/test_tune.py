@@ -119,3 +119,33 @@ def test_wrong_usage_exits_with_code_2_before_any_work(
     assert result.exit_code == 2
     assert words in result.output
     assert list(tmp_path.iterdir()) == []
+
+
+def test_nothing_but_a_regular_file_is_replaced_and_that_is_told_before_any_work(tmp_path: Path):
+    path, precious = tmp_path / "x.yaml", tmp_path / "precious"
+    precious.write_text("precious")
+    for name in ("x.yaml", "x.md", "x.png", "x.journal"):
+        link = tmp_path / name
+        link.symlink_to(precious)
+        result = run(*WALK, *FEW, "-o", path, "--force")
+        assert result.exit_code == 1
+        assert f"{name}: a link, which is never replaced" in result.output
+        link.unlink()
+    assert [file.name for file in tmp_path.iterdir()] == ["precious"]
+    assert precious.read_text() == "precious"
+
+
+def test_force_keeps_the_old_journal_if_the_new_search_cannot_begin(tmp_path: Path):
+    journal = tmp_path / "x.journal"
+    journal.write_text("precious")
+    result = run(*WALK, *FEW, "-o", tmp_path / "x.yaml", "--force", "--pin", "walk.nothing=1")
+    assert result.exit_code == 2
+    assert journal.read_text() == "precious"
+
+
+def test_the_gait_has_another_name_than_the_files_beside_it(tmp_path: Path):
+    for ending in ("md", "png", "journal"):
+        result = run(*WALK, *FEW, "-o", tmp_path / f"x.{ending}")
+        assert result.exit_code == 2
+        assert "use the ending .yaml" in result.output
+    assert not list(tmp_path.iterdir())

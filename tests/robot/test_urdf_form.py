@@ -47,7 +47,9 @@ def test_elements_of_simulators_are_left_alone(tmp_path: Path) -> None:
     shipped = shipped_folder("robots") / "melson"
     text = (shipped / "robot.urdf").read_text()
     foreign = '<contact friction="1"/><self_collision_checking/>'
-    extended = LIMIT.replace("/>", ' acceleration="9" qdd_max="9"/><safety_controller k_velocity="1"/>')
+    extended = LIMIT.replace(
+        "/>", ' acceleration="9" qdd_max="9"/><safety_controller k_velocity="1"/>'
+    )
     text = text.replace(LIMIT, extended).replace("</inertial>", f"</inertial>{foreign}")
     (tmp_path / "robot.urdf").write_text(text)
     (tmp_path / "robot.yaml").write_bytes((shipped / "robot.yaml").read_bytes())

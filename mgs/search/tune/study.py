@@ -22,6 +22,7 @@ import numpy as np
 
 import mgs
 from mgs.core.errors import InputError, MgsError
+from mgs.core.foreign import told_as
 from mgs.judge.processes import result_of, worker_pool
 from mgs.search.tune.evaluate import Found, TuneTask, evaluate
 from mgs.search.tune.space import Parameter, Value
@@ -92,13 +93,31 @@ def search(
 
     Raises:
         InputError: the journal belongs to another search or is damaged.
-        MgsError: Optuna is not installed.
+        MgsError: Optuna is not installed, or another search writes the journal.
     """
     optuna = _optuna()
-    study = _study(optuna, task, journal, seed)
+    from mgs.search.tune.journal import open_journal  # needs Optuna
+
+    with open_journal(journal) as opened:
+        with told_as(lambda what: InputError(f"{journal}: not the journal of a search: {what}")):
+            study = _study(optuna, task, opened, str(journal), seed)
+            done = _trials(study)
+        return _searched(optuna, study, task, done, trials, minutes, workers, tell)
+
+
+def _searched(
+    optuna: Any,
+    study: Any,
+    task: TuneTask,
+    done: list[Trial],
+    trials: int | None,
+    minutes: float | None,
+    workers: int,
+    tell: Tell | None,
+) -> Search:
+    """Continue a study; see `search`."""
     space = _distributions(optuna, task.space.parameters)
     started, interrupted = time.monotonic(), False
-    done = _trials(study)
     best = best_of(done)
     running: dict[concurrent.futures.Future[tuple[Found, float]], Any] = {}
 
@@ -163,29 +182,22 @@ def _optuna() -> Any:
     return optuna
 
 
-def _study(optuna: Any, task: TuneTask, journal: Path, seed: int) -> Any:
-    """The study in a journal file, made if it is missing; walks cut off are marked as failed."""
-    from optuna.storages import JournalStorage
-    from optuna.storages.journal import JournalFileBackend
-
-    journal.parent.mkdir(parents=True, exist_ok=True)
-    is_new = not journal.exists()
-    try:
-        storage = JournalStorage(JournalFileBackend(str(journal)))
-        study = optuna.create_study(
-            storage=storage, study_name="mgs tune", direction="maximize", load_if_exists=True
-        )
-    except (ValueError, KeyError, AssertionError) as error:
-        raise InputError(f"{journal}: not the journal of a search: {error}") from error
-    if is_new:
+def _study(optuna: Any, task: TuneTask, journal: Any, name: str, seed: int) -> Any:
+    """The study in a journal, made if it is missing; walks cut off are marked as failed."""
+    storage = optuna.storages.JournalStorage(journal)
+    study = optuna.create_study(
+        storage=storage, study_name="mgs tune", direction="maximize", load_if_exists=True
+    )
+    known = len(study.get_trials(deepcopy=False))
+    if not known and IDENTITY not in study.user_attrs:
         study.set_user_attr(IDENTITY, identity(task))
-        for values in scattered(task, seed):
-            study.enqueue_trial(values)
-    elif study.user_attrs.get(IDENTITY) != identity(task):
+    if study.user_attrs.get(IDENTITY) != identity(task):
         raise InputError(
-            f"{journal}: belongs to a search with another gait, robot, objective, parameters or "
+            f"{name}: belongs to a search with another gait, robot, objective, parameters or "
             "version of mgs; use the same arguments, another output, or --force for a new search"
         )
+    for values in scattered(task, seed)[known:]:
+        study.enqueue_trial(values)
     _cut_off(optuna, study)
     study.sampler = optuna.samplers.TPESampler(
         seed=seed + len(study.get_trials(deepcopy=False)),  # a continued search does not repeat

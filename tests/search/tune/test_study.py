@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import json
+import os
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from mgs.core.errors import InputError
+from mgs.core.errors import InputError, MgsError
 from mgs.search.tune import study
 from mgs.search.tune.evaluate import STAGES, Found
 from mgs.search.tune.study import N_SCATTERED, Trial, counts, identity, scattered, search
@@ -81,6 +83,42 @@ def test_the_journal_of_another_search_is_refused(tmp_path: Path):
     (tmp_path / "b.journal").write_text("no journal\n")
     with pytest.raises(InputError, match="not the journal of a search"):
         search(easy_task(), tmp_path / "b.journal", trials=3, minutes=None)
+
+
+def test_a_line_that_was_cut_off_is_removed_and_the_search_goes_on(tmp_path: Path):
+    """As SIGKILL leaves it, at every place of the last two lines."""
+    first = run(tmp_path, 3)
+    journal = tmp_path / "a.journal"
+    whole = journal.read_bytes()
+    last = len(whole.rstrip(b"\n").rpartition(b"\n")[0])
+    for cut in (*range(last - 5, last + 9), len(whole) - 1):
+        journal.write_bytes(whole[:cut])
+        again = run(tmp_path, 4)
+        assert len(again.trials) == 4
+        assert [t.values for t in again.trials[:2]] == [t.values for t in first.trials[:2]]
+        for line in journal.read_bytes().splitlines():
+            json.loads(line)
+
+
+@pytest.mark.parametrize("line", ["[1]", "{}", '{"op_code": 99}', '{"op_code": 4}', "[" * 99_999])
+def test_a_journal_that_nobody_wrote_is_refused(line: str, tmp_path: Path):
+    (tmp_path / "a.journal").write_text(f"{line}\n")
+    with pytest.raises(InputError, match="not the journal of a search"):
+        run(tmp_path, 2)
+
+
+def test_two_searches_do_not_share_a_journal(tmp_path: Path):
+    from mgs.search.tune.journal import open_journal  # needs Optuna
+
+    path = tmp_path / "a.journal"
+    with open_journal(path), pytest.raises(MgsError, match="another search is writing"):
+        run(tmp_path, 2)
+
+
+def test_a_pipe_is_no_journal(tmp_path: Path):
+    os.mkfifo(tmp_path / "a.journal")
+    with pytest.raises(InputError, match="not a regular file"):
+        run(tmp_path, 2)
 
 
 def test_the_identity_of_a_search_depends_on_all_that_its_walks_have_in_common():
