@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+import gc
+import importlib
 import os
+import pkgutil
 import resource
 import signal
 import sys
 import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import mgs.core.limits
@@ -17,27 +21,13 @@ import mgs.core.limits
 # What a valid input may ask for; of an invalid one nobody knows. Set before the limit is imported.
 mgs.core.limits.MAX_SAMPLES = 2000
 
-import distributed  # noqa: E402, F401
-import mujoco  # noqa: E402, F401
-import pinocchio  # noqa: E402, F401
-
 import mgs.cli  # noqa: E402
-import mgs.cli.batch  # noqa: E402
-import mgs.cli.export  # noqa: E402
-import mgs.cli.generate  # noqa: E402
-import mgs.cli.inspect  # noqa: E402
-import mgs.cli.judge  # noqa: E402
-import mgs.cli.library  # noqa: E402
-import mgs.cli.report  # noqa: E402
-import mgs.cli.robot  # noqa: E402
-import mgs.judge.validate  # noqa: E402
-import mgs.library.points  # noqa: E402
-import mgs.library.query  # noqa: E402
-import mgs.motion_file  # noqa: E402
-import mgs.pipeline.request  # noqa: E402
-import mgs.report.page  # noqa: E402
-import mgs.robot.init  # noqa: E402
 
+# Modules that commands import late, and that would be imported again and again by the children.
+LATE = (
+    *("scipy.optimize", "scipy.sparse.linalg", "scipy.interpolate", "daqp", "mujoco", "yaml"),
+    *("matplotlib.figure", "matplotlib.backends.backend_agg", "PIL.PngImagePlugin", "distributed"),
+)
 MOST_SECONDS = 20.0  # [s] of CPU time
 MOST_MEMORY = 1_000_000_000  # [bytes]
 
@@ -70,8 +60,22 @@ class Ending:
         return f"{self.memory / 1e6:.0f} MB" if self.memory > MOST_MEMORY else ""
 
 
+@cache
+def import_all() -> None:
+    """Import all of mgs and what it imports late, and keep the garbage collector off it."""
+    for module in pkgutil.walk_packages(mgs.__path__, "mgs."):
+        if not module.name.endswith("__main__"):
+            importlib.import_module(module.name)
+    for name in LATE:
+        with contextlib.suppress(ImportError):  # an extra that is not installed
+            importlib.import_module(name)
+    gc.collect()
+    gc.freeze()  # a collection of a child would copy all pages
+
+
 def run_in_child(arguments: Sequence[str], folder: Path) -> Ending:
     """Run a command of mgs in a folder, in a child of this process."""
+    import_all()
     out, err = folder.parent / "stdout", folder.parent / "stderr"
     pid = os.fork()
     if pid == 0:
