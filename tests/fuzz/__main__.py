@@ -11,7 +11,7 @@ import sys
 import time
 from pathlib import Path
 
-from tests.fuzz.run import KINDS, count, table
+from tests.fuzz.run import KINDS, count, row, table
 
 # Parts of all inputs; what foreign parsers and engines see gets the most.
 SHARES = {
@@ -34,8 +34,8 @@ def main() -> int:
         begun = time.monotonic()
         n = math.ceil(given.inputs * SHARES[kind] / sum(SHARES[kind] for kind in kinds))
         counts[kind] = count(kind, n, given.folder.resolve(), given.seed)
-        told = [f"{kind}: {time.monotonic() - begun:.0f} s", *counts[kind].problems]
-        print(*told, sep="\n  ", flush=True)
+        print(row(kind, counts[kind]), f"in {time.monotonic() - begun:.0f} s", flush=True)
+        print(*(f"  {problem}" for problem in counts[kind].problems), sep="\n", flush=True)
     print(table(counts))
     return int(any(found.problems for found in counts.values()))
 

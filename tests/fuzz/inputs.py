@@ -42,7 +42,7 @@ FREQUENT = [
 ]  # fmt: skip
 MOTION_COMMANDS = FREQUENT * 4 + [
     ("report", "a.mcap", "-o", "out/a.html"), ("plot", "a.mcap", "-o", "out"),
-    ("replay", "a.mcap", "--physics", "mujoco", "--json"),
+    ("replay", "a.mcap", "--engine", "mujoco", "--json"),
 ]  # fmt: skip
 TABLE = "walk.step_length,walk.n_steps\n0.03,4\n0.05,6\n"
 QUERIES = [

@@ -91,14 +91,18 @@ def table(counts: dict[str, Count]) -> str:
     lines = [
         "| format | inputs | exit code 0 | 1 | 2 | problems | longest [s] | most memory [MB] |",
         "| --- | --- | --- | --- | --- | --- | --- | --- |",
+        *(row(kind, found) for kind, found in counts.items()),
     ]
-    for kind, found in counts.items():
-        codes = " | ".join(str(found.codes[code]) for code in (0, 1, 2))
-        lines.append(
-            f"| {kind} | {found.codes.total()} | {codes} | {len(found.problems)} | "
-            f"{found.seconds:.1f} | {found.memory / 1e6:.0f} |"
-        )
     return "\n".join(lines)
 
 
-__all__ = ["KINDS", "Count", "count", "table", "tried"]
+def row(kind: str, found: Count) -> str:
+    """Counts of a kind as a row of the table."""
+    codes = " | ".join(str(found.codes[code]) for code in (0, 1, 2))
+    return (
+        f"| {kind} | {found.codes.total()} | {codes} | {len(found.problems)} | "
+        f"{found.seconds:.1f} | {found.memory / 1e6:.0f} |"
+    )
+
+
+__all__ = ["KINDS", "Count", "count", "row", "table", "tried"]
