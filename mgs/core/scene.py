@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from mgs.core.arrays import Array
 from mgs.core.geometry import rectangle_gaps, sole_corners
+from mgs.core.limits import MAX_CROWD
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,30 @@ class Scene:
 
 
 EMPTY = Scene()
+
+
+PLACE = 0.1  # [m] side of the square in which boxes are counted
+
+
+def is_crowded(boxes: Sequence[Box]) -> bool:
+    """Whether more than MAX_CROWD boxes touch one square with the sides PLACE.
+
+    A sole on so many boxes has as many times four contacts, and the time that engines need for a
+    step grows with the cube of their number. Boxes count with their sides along x and y.
+    """
+    if len(boxes) <= MAX_CROWD:
+        return False
+    corners = np.array([box.corners for box in boxes])  # (n, 4, 2)
+    low, high = corners.min(axis=1), corners.max(axis=1) + PLACE
+    for x in low[:, 0]:  # a square that touches the most boxes can be moved until it begins there
+        now = (low[:, 0] <= x) & (x <= high[:, 0])
+        if np.count_nonzero(now) <= MAX_CROWD:
+            continue
+        begins, ends = np.sort(low[now, 1]), np.sort(high[now, 1])
+        touched = np.arange(1, len(begins) + 1) - np.searchsorted(ends, begins, side="left")
+        if touched.max() > MAX_CROWD:
+            return True
+    return False
 
 
 def ground_below(boxes: tuple[Box, ...], corners: ArrayLike) -> Array:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from mgs.core.contact import Side, Support
-from mgs.core.limits import MAX_BALLS, MAX_BOXES
+from mgs.core.limits import MAX_BALLS, MAX_BOXES, MAX_CROWD
+from mgs.core.scene import PLACE, is_crowded
 from mgs.motion import Motion
 from mgs.motion_file.topics import field_shapes
 
@@ -19,6 +20,8 @@ def find_problem(motion: Motion) -> str | None:
         return "it has no two footsteps that the robot stands on at the start"
     if len(motion.scene.boxes) > MAX_BOXES or len(motion.scene.balls) > MAX_BALLS:
         return f"it has more than {MAX_BOXES} boxes or {MAX_BALLS} balls on the floor"
+    if is_crowded(motion.scene.boxes):
+        return f"more than {MAX_CROWD} boxes touch one square of {PLACE:g} m x {PLACE:g} m"
     for name, shape in field_shapes(motion.robot.n).items():
         array = getattr(motion, name)
         if array.shape != (n_samples, *shape) or array.dtype != np.float64:

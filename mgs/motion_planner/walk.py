@@ -8,7 +8,8 @@ from dataclasses import replace
 from mgs.core.contact import Footstep, Side
 from mgs.core.errors import ConfigError, FootstepError
 from mgs.core.geometry import rectangle_gap
-from mgs.core.scene import Box, Scene
+from mgs.core.limits import MAX_CROWD
+from mgs.core.scene import PLACE, Box, Scene, is_crowded
 from mgs.gait import WalkGait, WalkParameters
 from mgs.motion_planner.footsteps import first_support_of, plan_footsteps
 from mgs.motion_planner.goal import StepLimits
@@ -42,6 +43,12 @@ def plan_walk(robot: Robot, gait: WalkGait) -> WalkPlan:
     _refuse_overlap(robot, level)
     _refuse_zmp_beside_sole(robot, walk)
     boxes = tuple(Box(**box.model_dump()) for box in walk.boxes)
+    if is_crowded(boxes):
+        raise ConfigError(
+            "walk.boxes",
+            f"more than {MAX_CROWD} boxes touch one square of {PLACE:g} m x {PLACE:g} m, which "
+            "takes engines too long; use fewer or larger boxes",
+        )
     footsteps = tuple(stand_on(robot, level, boxes))
     phases = step_phases(bounds, footsteps)
     if boxes:

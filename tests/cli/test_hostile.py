@@ -5,16 +5,17 @@ The files in tests/data/hostile were drawn for this purpose; what else is needed
 
 from __future__ import annotations
 
+import json
 import os
 import socket
 import threading
 from pathlib import Path
 
 import pytest
-from mcap.records import Attachment
+from mcap.records import Attachment, Metadata
 
 import mgs.cli
-from mgs.core.limits import MAX_CHAIN, MAX_FILE, MAX_LINKS, MAX_SHAPES
+from mgs.core.limits import MAX_CHAIN, MAX_CROWD, MAX_FILE, MAX_LINKS, MAX_SHAPES
 from mgs.core.shipped import shipped_folder
 from mgs.motion_file import motion_bytes
 from mgs.pipeline.request import generate
@@ -255,3 +256,25 @@ def test_a_port_that_never_answers_does_not_hang_a_run(
     assert result.exit_code == 1
     assert "no Dask scheduler answers" in result.stderr
     assert not (tmp_path / "library").exists()
+
+
+def test_boxes_that_engines_need_too_long_for_are_refused(tmp_path: Path) -> None:
+    """Also in a motion file that a program of others has written."""
+    gait, path = tmp_path / "a.yaml", tmp_path / "a.mcap"
+    box = "{x: 0.3, length: 0.01, width: 0.5, height: 0.005}"
+    crowd = ", ".join([box] * (MAX_CROWD + 1))
+    gait.write_text(
+        f"mgs: 1\nrobot: melson\nmotion: walk\nwalk: {{n_steps: 2, boxes: [{crowd}]}}\n"
+    )
+    assert "walk.boxes: more than 10 boxes touch one square" in refusal("generate", gait)
+    boxes = [{"x": 0.0, "y": 0.0, "yaw": 0.0, "length": 0.5, "width": 0.5, "height": 5e-4}] * 100
+
+    def change(record: object) -> None:
+        if isinstance(record, Metadata):
+            record.metadata |= {"scene": json.dumps({"boxes": boxes, "balls": []})}
+
+    path.write_bytes(
+        rewritten(motion_bytes(generate("melson", "melson/bow", dt=0.1)), change=change)
+    )
+    for command in (("validate", path), ("report", path), ("replay", path)):
+        assert "more than 10 boxes touch one square" in refusal(*command)

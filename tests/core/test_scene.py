@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from mgs.core.geometry import rectangle_gap, rectangle_gaps, sole_corners
-from mgs.core.scene import Box, ground_below
+from mgs.core.limits import MAX_CROWD
+from mgs.core.scene import PLACE, Box, ground_below, is_crowded
 
 ROUNDING = 1e-9
 coordinate = st.floats(-0.3, 0.3)
@@ -51,3 +52,34 @@ def test_many_gaps_at_once_are_those_of_each_pair(found):
     assert_allclose(rectangle_gaps(corners, found[0].corners), expected, atol=ROUNDING)
     swapped = [rectangle_gap(found[0].corners, c) for c in corners]
     assert_allclose(expected, swapped, atol=ROUNDING)
+
+
+SIDES = st.sampled_from([0.0123, 0.0617])  # no two boxes are exactly PLACE apart
+squares = st.lists(
+    st.builds(
+        Box,
+        x=st.integers(-20, 20).map(lambda n: 0.025 * n),
+        y=st.integers(-20, 20).map(lambda n: 0.025 * n),
+        yaw=st.just(0.0),
+        length=SIDES,
+        width=SIDES,
+        height=st.just(0.01),
+    ),
+    min_size=MAX_CROWD,
+    max_size=150,
+)
+
+
+@given(squares)
+def test_boxes_are_crowded_where_a_square_touches_too_many_of_them(many: list[Box]):
+    """Squares are tried at every place at which a box begins."""
+    half = np.array([[box.length / 2, box.width / 2] for box in many])
+    centre = np.array([[box.x, box.y] for box in many])
+    low, high = centre - half, centre + half
+    touched = [
+        ((low[:, k] <= begin + PLACE) & (begin <= high[:, k]))
+        for k in range(2)
+        for begin in low[:, k]
+    ]
+    across, along = np.array(touched, dtype=int).reshape(2, len(many), len(many))
+    assert is_crowded(many) == ((across @ along.T).max() > MAX_CROWD)
