@@ -7,6 +7,7 @@ joints, or a note names what is missing.
 
 from __future__ import annotations
 
+import copy
 import json
 import math
 import random
@@ -109,7 +110,7 @@ def _remove(root: Any, above: Any, element: Any, rng: random.Random) -> None:
 def _repeat(root: Any, above: Any, element: Any, rng: random.Random) -> None:
     del root
     for _ in range(rng.choice([1, 1, 2, 300])):
-        above.append(element)
+        above.append(copy.deepcopy(element))  # the same one would be changed everywhere
 
 
 def _move(root: Any, above: Any, element: Any, rng: random.Random) -> None:
