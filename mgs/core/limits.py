@@ -35,6 +35,7 @@ MAX_BOXES = 100  # on the floor
 MAX_CROWD = 10  # boxes that touch one square of 0.1 m x 0.1 m
 MAX_BALLS = 10  # on the floor
 MAX_RECORDING = 1_000_000_000  # [bytes] of a motion in a format of another program, unpacked
+MAX_VALUE = 1e9  # of a number of such a motion, in units of SI
 MAX_CHANNELS = 3000  # columns of such a motion, or joints or links of it
 
 # Searches

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from mgs.core.errors import MotionFileError
-from mgs.core.foreign import told_as
-from mgs.core.input_files import opened
+from mgs.core.input_files import read_bytes
 from mgs.core.limits import MAX_RECORDING
+from mgs.motion_file.formats.recorded import decoding
 
 
 def write_npz(path: Path, arrays: Mapping[str, Any]) -> None:
@@ -32,11 +33,8 @@ def read_npz(path: Path, empty: tuple[str, ...] = ()) -> dict[str, Any]:
         ConfigError: the file is missing or not a regular file.
         MotionFileError: it is no npz file, too large, or an array holds objects.
     """
-
-    def failed(reason: str) -> MotionFileError:
-        return MotionFileError(path, f"not a NumPy npz file of numbers and texts: {reason}")
-
-    with opened(path) as stream, told_as(failed):
+    stream = io.BytesIO(read_bytes(path, MAX_RECORDING, "a recorded motion"))
+    with decoding(path, "a NumPy npz file of numbers and texts"):
         with zipfile.ZipFile(stream) as archive:
             size = sum(entry.file_size for entry in archive.infolist())
         if size > MAX_RECORDING:

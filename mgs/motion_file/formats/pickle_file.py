@@ -21,14 +21,12 @@ from typing import Any, BinaryIO, ClassVar
 import numpy as np
 
 from mgs.core.errors import MotionFileError
-from mgs.core.foreign import told_as
 from mgs.core.input_files import read_bytes
 from mgs.core.limits import MAX_RECORDING
+from mgs.motion_file.formats.recorded import decoding
 
-COMPRESSED = (  # zlib, gzip, bzip2, xz, lz4, lzma
-    *(b"x\x01", b"x\x9c", b"x\xda"),
-    *(b"\x1f\x8b", b"BZh", b"\xfd7zXZ", b"\x04\x22M\x18", b"]\x00"),
-)
+# Beginnings of what zlib, gzip, bzip2, xz, lz4 and lzma write; no pickle begins so.
+COMPRESSED = (b"x", b"\x1f\x8b", b"BZh", b"\xfd7zXZ", b"\x04\x22M\x18", b"]\x00")
 
 
 # The classes in Python, whose steps can be replaced; type checkers know them as closed ones.
@@ -67,11 +65,7 @@ def read_pickle(path: Path) -> Any:
         raise MotionFileError(
             path, "compressed by joblib; write it anew with joblib.dump(..., compress=0)"
         )
-
-    def failed(reason: str) -> MotionFileError:
-        return MotionFileError(path, f"not a pickle of plain data and arrays: {reason}")
-
-    with told_as(failed):
+    with decoding(path, "a pickle of plain data and arrays"):
         found = _Restricted(io.BytesIO(data), len(data)).load()
         _refuse_strangers(found)
     return found
@@ -135,7 +129,13 @@ def _encode(text: Any, encoding: Any) -> bytes:
     return text.encode("latin1")
 
 
+def _no_bytes() -> bytes:
+    """No bytes at all, which protocol 2 writes as a call."""
+    return b""
+
+
 ALLOWED = {
+    ("__builtin__", "bytes"): _no_bytes,
     ("numpy", "ndarray"): _ArrayType,
     ("numpy", "dtype"): np.dtype,
     ("_codecs", "encode"): _encode,

@@ -7,6 +7,8 @@ velocity is given in is stated beside it.
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -15,8 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mgs.core.arrays import Array
-from mgs.core.errors import MotionFileError
-from mgs.core.limits import MAX_CHANNELS, MAX_SAMPLES
+from mgs.core.errors import MgsError, MotionFileError
+from mgs.core.foreign import described
+from mgs.core.limits import MAX_CHANNELS, MAX_SAMPLES, MAX_VALUE
 from mgs.core.short_repr import short_repr
 from mgs.robot.orders import Order
 
@@ -101,10 +104,13 @@ class Reading:
             raise self.error(f"{name} has {len(found)} frames; 1 to {MAX_SAMPLES} are read")
         if found.ndim > 1 and found.shape[1] > MAX_CHANNELS:
             raise self.error(f"{name} has {found.shape[1]} columns; up to {MAX_CHANNELS} are read")
-        bad = np.argwhere(~np.isfinite(found))
+        bad = np.argwhere(~(np.abs(found) <= MAX_VALUE))
         if len(bad):
-            where = f", frame {bad[0][0]}" if found.ndim else ""
-            raise self.error(f"{name} has a value that is not finite{where}")
+            where = f" in frame {bad[0][0]}" if found.ndim else ""
+            value = found[tuple(bad[0])]
+            raise self.error(
+                f"{name} has the value {value:g}{where}; up to +-{MAX_VALUE:g} is read"
+            )
         return found
 
     def quat_xyzw(
@@ -142,6 +148,25 @@ class Reading:
         return tuple(found)
 
 
+@contextlib.contextmanager
+def decoding(path: Path, kind: str) -> Iterator[None]:
+    """Turn what goes wrong while the content of a file is decoded into an error that names it.
+
+    The content is in memory, so an error of the system or lack of memory comes from what the
+    content claims, not from the machine.
+
+    Args:
+        path: the file.
+        kind: what it should be, such as "a NumPy npz file".
+    """
+    try:
+        yield
+    except MgsError:
+        raise
+    except Exception as error:
+        raise MotionFileError(path, f"not {kind}: {described(error)}") from error
+
+
 def numbers(value: object) -> Array | None:
     """Values as an array; None if they are no array of real numbers."""
     try:
@@ -150,7 +175,8 @@ def numbers(value: object) -> Array | None:
         return None
     if found.dtype.kind not in "fiub":
         return None
-    return found.astype(np.float64)
+    with np.errstate(invalid="ignore"):  # a signalling NaN is told of as any other
+        return found.astype(np.float64)
 
 
 def as_float32(array: ArrayLike) -> np.ndarray[Any, np.dtype[np.float32]]:

@@ -17,6 +17,7 @@ reading need pyarrow (pip install 'mgs[parquet]').
 
 from __future__ import annotations
 
+import io
 import json
 from pathlib import Path
 from typing import Any
@@ -25,12 +26,16 @@ import numpy as np
 
 from mgs.core.arrays import Array
 from mgs.core.errors import ConfigError
-from mgs.core.foreign import told_as
-from mgs.core.input_files import opened, read_text
+from mgs.core.input_files import read_bytes, read_text
 from mgs.core.limits import MAX_RECORDING
 from mgs.motion.sampled import SampledMotion
 from mgs.motion_file.formats.format import Options, Written, chosen_joints
-from mgs.motion_file.formats.recorded import Reading, RecordedMotion, as_float32
+from mgs.motion_file.formats.recorded import (
+    Reading,
+    RecordedMotion,
+    as_float32,
+    decoding,
+)
 from mgs.robot import Robot
 
 VERSION = "v3.0"
@@ -200,10 +205,8 @@ def _actions(reading: Reading, path: Path) -> tuple[Array, tuple[str, ...]]:
     """Actions (T, J) of the first episode of a file, and what to say of it."""
     import pyarrow.parquet as pq
 
-    with (
-        opened(path) as stream,
-        told_as(lambda reason: reading.error(f"{path.name} cannot be read: {reason}")),
-    ):
+    stream = io.BytesIO(read_bytes(path, MAX_RECORDING, "a recorded motion"))
+    with decoding(path, "a Parquet file of actions"):
         file = pq.ParquetFile(stream)
         groups = (file.metadata.row_group(k) for k in range(file.metadata.num_row_groups))
         if sum(group.total_byte_size for group in groups) > MAX_RECORDING:

@@ -24,7 +24,6 @@ from typing import Any
 
 import numpy as np
 
-from mgs.core.foreign import told_as
 from mgs.core.input_files import read_bytes
 from mgs.core.limits import MAX_RECORDING
 from mgs.motion.link_motion import sole_links
@@ -32,7 +31,13 @@ from mgs.motion.sampled import SampledMotion
 from mgs.motion_file.formats.format import Options, Written
 from mgs.motion_file.formats.learning.motion_lib import foot_contacts
 from mgs.motion_file.formats.learning.tracking import tracked
-from mgs.motion_file.formats.recorded import Reading, RecordedLinks, RecordedMotion, as_float32
+from mgs.motion_file.formats.recorded import (
+    Reading,
+    RecordedLinks,
+    RecordedMotion,
+    as_float32,
+    decoding,
+)
 from mgs.robot import Robot
 
 
@@ -70,7 +75,7 @@ def read(path: Path, robot: Robot | None = None) -> RecordedMotion:
     del robot  # the file has nothing to compare
     reading = Reading(path)
     data = read_bytes(path, MAX_RECORDING, "a recorded motion")
-    with told_as(lambda reason: reading.error(f"torch cannot load it safely: {reason}")):
+    with decoding(path, "a file that torch loads without running code"):
         loaded = torch.load(io.BytesIO(data), weights_only=True, map_location="cpu")
     if not isinstance(loaded, dict):
         raise reading.error("not a dictionary")
