@@ -26,6 +26,8 @@ COMMANDS = {
         "mgs.cli.judge", "Judge a motion by static checks and replays in physics."
     ),
     "replay": LazyCommand("mgs.cli.judge", "Execute a motion open loop in one physics engine."),
+    "import": LazyCommand("mgs.cli.import_", "Make a motion file of somebody else's motion."),
+    "audit": LazyCommand("mgs.cli.audit", "Find what is wrong with a motion, whoever made it."),
     "envelope": LazyCommand(
         "mgs.cli.envelope", "Find the longest step and the fastest walk of a robot."
     ),

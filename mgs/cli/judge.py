@@ -290,6 +290,8 @@ def _print_verdict(verdict: Verdict) -> None:
     for sweep in verdict.servo_sweep or ():
         for text in verdict_text.servo_sweep(sweep):
             say(text)
+    if verdict.left_out:
+        say(f"not made, since the motion was not planned: {', '.join(verdict.left_out)}")
     if not verdict.replays:
         say("no replay in physics: falling was not checked")
     for missing in verdict.engines_missing:

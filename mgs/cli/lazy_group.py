@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import keyword
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +13,10 @@ import click
 
 @dataclass(frozen=True)
 class LazyCommand:
-    """A command of the same name in a module, and the line that the help of its group prints."""
+    """A command of the same name in a module, and the line that the help of its group prints.
+
+    A name that Python reserves has an underscore behind it there: `import_`.
+    """
 
     module: str
     short_help: str
@@ -36,7 +40,9 @@ class LazyGroup(click.Group):
         """The command of a name, imported now; None where there is none."""
         if cmd_name not in self._table:
             return None
-        command = getattr(importlib.import_module(self._table[cmd_name].module), cmd_name)
+        module = importlib.import_module(self._table[cmd_name].module)
+        name = f"{cmd_name}_" if keyword.iskeyword(cmd_name) else cmd_name
+        command = getattr(module, name)
         assert isinstance(command, click.Command)
         return command
 

@@ -34,6 +34,7 @@ from mgs.gait.kinds import (
 )
 from mgs.gait.load import load_gait, parse_gait
 from mgs.gait.pick_up import PickUpParameters
+from mgs.gait.recorded import RecordedGait, RecordedParameters
 from mgs.gait.walk import (
     BoxParameters,
     FootstepParameters,
@@ -68,6 +69,8 @@ __all__ = [
     "PickUpParameters",
     "PrioritizedParameters",
     "RampChannel",
+    "RecordedGait",
+    "RecordedParameters",
     "SequenceGait",
     "SequencePart",
     "SineChannel",

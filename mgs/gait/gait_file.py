@@ -42,6 +42,11 @@ class GaitFile(Model):
         return True
 
     @property
+    def has_references(self) -> bool:
+        """Whether soles, hands and CoM were planned, so that a motion can miss its plan."""
+        return True
+
+    @property
     def planned_duration(self) -> float:
         """Duration of the motion [s], without what depends on the robot: a way to a goal."""
         return 0.0

@@ -18,6 +18,7 @@ from mgs.gait.ik import IkParameters, WholeBodyIkParameters
 from mgs.gait.keyframes import KeyframesParameters
 from mgs.gait.kick import KickParameters
 from mgs.gait.pick_up import PickUpParameters
+from mgs.gait.recorded import RecordedGait
 from mgs.gait.walk import WalkParameters
 
 
@@ -303,8 +304,9 @@ class SequenceGait(GaitFile):
         return self
 
 
-Gait = SingleGait | SequenceGait
-GAITS: dict[str, type[Gait]] = {
+PlannedGait = SingleGait | SequenceGait
+Gait = PlannedGait | RecordedGait
+GAITS: dict[str, type[PlannedGait]] = {  # those that a gait file may ask for
     "walk": WalkGait,
     "kick": KickGait,
     "balance": BalanceGait,
@@ -316,5 +318,5 @@ GAITS: dict[str, type[Gait]] = {
 
 def gait_schema() -> dict[str, Any]:
     """JSON schema of all kinds of gait files."""
-    kinds: Any = Annotated[Gait, Field(discriminator="motion")]
+    kinds: Any = Annotated[PlannedGait, Field(discriminator="motion")]
     return TypeAdapter(kinds).json_schema()

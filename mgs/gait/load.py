@@ -19,6 +19,7 @@ from mgs.gait.find import find_gait
 from mgs.gait.gait_file import GaitFile
 from mgs.gait.kinds import GAITS, Gait
 from mgs.gait.names import ANY_NAME
+from mgs.gait.recorded import RecordedGait
 from mgs.gait.sequence import resolve_parts, split_changes
 
 
@@ -62,7 +63,8 @@ def parse_gait(
 
     A sequence may name other gait files, relative to `folder`; None: the text must contain all
     gaits. Assignments and settings are those of `load_gait`. With `any_name` the solver and the
-    generator that the gait names need not be installed.
+    generator that the gait names need not be installed, and the motion may be a recorded one:
+    so are the gaits of motion files.
     """
     tree: Any = parse_yaml(text, source)
     changes = changes_of(assignments, settings)
@@ -72,15 +74,18 @@ def parse_gait(
         resolve_parts(tree, source, folder, inner)
     else:
         apply(changes, tree)
-    return build(_kind_of(tree), tree, source, ANY_NAME if any_name else None)
+    return build(_kind_of(tree, any_name), tree, source, ANY_NAME if any_name else None)
 
 
-def _kind_of(tree: Any) -> type[Gait]:
+def _kind_of(tree: Any, in_motion_file: bool) -> type[Gait]:
     """Model of the kind of `motion`; for an unknown kind, of the block that the file contains.
 
-    The second one reports the unknown kind together with all other errors.
+    The second one reports the unknown kind together with all other errors. A recorded motion is
+    known in motion files alone, since nothing can be planned for it.
     """
     kind = tree.get("motion") if isinstance(tree, dict) else None
+    if kind == "recorded" and in_motion_file:
+        return RecordedGait
     if isinstance(kind, str) and kind in GAITS:
         return GAITS[kind]
     there = tree if isinstance(tree, dict) else {}

@@ -12,7 +12,7 @@ from mgs.core.errors import ConfigError
 from mgs.core.progress import StepProgress, progress_of_step
 from mgs.judge.monte_carlo import monte_carlo as replay_draws
 from mgs.judge.monte_carlo import summary, survival_check
-from mgs.judge.motion_checks import check_motion
+from mgs.judge.motion_checks import check_motion, checks_left_out
 from mgs.judge.servo_sweep import sweep_servos
 from mgs.judge.verdict import Verdict, judge
 from mgs.motion import Motion
@@ -111,7 +111,10 @@ def validate(
     checks += [survival_check(result) for result in found]
     verdict = judge(file or motion.gait_name, checks, replays, summary(found))
     verdict = dataclasses.replace(
-        verdict, engines_missing=missing_engines(), energy=energy_of(motion)
+        verdict,
+        engines_missing=missing_engines(),
+        energy=energy_of(motion),
+        left_out=checks_left_out(motion),
     )
     if not servo_sweep:
         return verdict

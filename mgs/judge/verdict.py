@@ -41,6 +41,7 @@ class Verdict:
     servo_sweep: tuple[ServoSweep, ...] | None = None  # by engine; no check depends on it
     engines_missing: tuple[MissingEngine, ...] = ()  # engines that are not installed
     energy: Energy | None = None  # of the plan; None: its torques are not known
+    left_out: tuple[str, ...] = ()  # checks that are not made, since there is no plan to follow
 
     @property
     def passed(self) -> bool:
@@ -91,6 +92,7 @@ class Verdict:
             "file": self.file,
             "verdict": "pass" if self.passed else "fail",
             "checks": [check.to_dict() for check in self.checks],
+            "checks_left_out": list(self.left_out),
             "energy": None if self.energy is None else self.energy.to_dict(),
             "servo": self.servo,
             "physics": list(self.engines),  # empty: static checks alone

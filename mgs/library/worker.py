@@ -27,7 +27,7 @@ import mgs
 from mgs.core.contact import Support
 from mgs.core.errors import ConfigError, DivergenceError, InfeasibleGaitError, MgsError
 from mgs.core.geometry import yaw_from_quat_xyzw
-from mgs.gait import Gait, SequenceGait, parse_gait
+from mgs.gait import Gait, RecordedGait, SequenceGait, parse_gait
 from mgs.judge.motion_checks import Check, check_motion
 from mgs.judge.verdict import judge
 from mgs.library.kernel import processor_kernel
@@ -121,7 +121,7 @@ def _made(recipe: Recipe, assignments: tuple[str, ...]) -> Outcome:
 
 def solver_of(gait: Gait) -> str | None:
     """Name of the IK solver; None for a sequence, whose parts have their own solvers."""
-    return None if isinstance(gait, SequenceGait) else gait.ik.solver
+    return None if isinstance(gait, SequenceGait | RecordedGait) else gait.ik.solver
 
 
 @functools.lru_cache(maxsize=64)

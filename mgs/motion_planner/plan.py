@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from mgs.gait import Gait, KeyframesGait, KickGait, PickUpGait, SequenceGait, WalkGait
+from mgs.gait import (
+    Gait,
+    KeyframesGait,
+    KickGait,
+    PickUpGait,
+    RecordedGait,
+    SequenceGait,
+    WalkGait,
+)
 from mgs.motion_planner.motion_plan import MotionPlan
 from mgs.robot import Robot
 
@@ -16,10 +24,13 @@ def plan_motion(robot: Robot, gait: Gait) -> MotionPlan:
             a hand cannot reach a point.
         ConfigError: a duration does not fit the sampling period, or the robot has no such joint or
             cannot move the hand or turn the sole that the gait names.
-        TypeError: the gait is a sequence, which has a plan for each of its parts.
+        TypeError: the gait is a sequence, which has a plan for each of its parts, or that of a
+            recorded motion, which nobody planned.
     """
     if isinstance(gait, SequenceGait):
         raise TypeError("a sequence has a plan for each of its parts, not one of its own")
+    if isinstance(gait, RecordedGait):
+        raise TypeError("a recorded motion has no plan")
     # Each branch imports its own planner, so that a walk loads no code of the other kinds.
     if isinstance(gait, WalkGait):
         from mgs.motion_planner.walk import plan_walk

@@ -10,9 +10,10 @@ import numpy as np
 from mgs.com_generator import ComTrajectory, follow_com
 from mgs.core.arrays import Array
 from mgs.core.contact import Side, Support
+from mgs.core.errors import ConfigError
 from mgs.core.progress import Progress
 from mgs.core.short_repr import short_repr
-from mgs.gait import Gait, KickGait, SequenceGait, SingleGait, ZmpGait
+from mgs.gait import Gait, KickGait, RecordedGait, SequenceGait, SingleGait, ZmpGait
 from mgs.gait.remedies import remedies_for
 from mgs.ik_solver import JointTrajectory, refuse_speed
 from mgs.motion import Motion
@@ -42,7 +43,7 @@ class Stages:
     @property
     def gait(self) -> SingleGait:
         """The gait that was asked for."""
-        assert not isinstance(self.motion.gait, SequenceGait)
+        assert not isinstance(self.motion.gait, SequenceGait | RecordedGait)
         return self.motion.gait
 
 
@@ -69,6 +70,8 @@ def run_stages(
     """
     if isinstance(gait, SequenceGait):
         raise TypeError("a sequence has no stages of its own; use mgs.pipeline.generate")
+    if isinstance(gait, RecordedGait):
+        raise ConfigError(name, "was recorded, so that there is no gait that could be planned")
     gait = for_robot(gait, robot)
     with remedies_for(gait):
         return _run(robot, gait, name, progress, start)
