@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,11 +22,13 @@ from mgs.cli.common import (
 )
 from mgs.cli.servo_options import (
     check_servos,
+    correct_option,
     damping_time_option,
     feed_forward_option,
     sag_option,
     servo_option,
     servos_option_of,
+    unit_option,
 )
 
 if TYPE_CHECKING:
@@ -74,6 +77,8 @@ if TYPE_CHECKING:
     "--sweep-plot", metavar="FILE", type=click.Path(dir_okay=False, path_type=Path),
     help="PNG or SVG file for a figure of the servo sweep.",
 )  # fmt: skip
+@unit_option
+@correct_option
 @force_option
 @json_option
 @click.pass_context
@@ -92,6 +97,8 @@ def validate(
     sample: int | None,
     servo_sweep: bool,
     sweep_plot: Path | None,
+    unit: Path | None,
+    corrected: bool,
     force: bool,
     as_json: bool,
 ) -> None:
@@ -138,6 +145,8 @@ def validate(
             workers=workers,
             sample=sample,
             servo_sweep=servo_sweep,
+            unit=unit,
+            corrected=corrected,
             progress=tell,
         )
     if plot is not None:
@@ -172,6 +181,8 @@ def validate(
 @sag_option
 @damping_time_option
 @feed_forward_option
+@unit_option
+@correct_option
 @click.option(
     "--record", metavar="FILE", type=click.Path(dir_okay=False, path_type=Path),
     help="File for what happens: .mcap (the motion file with the simulated joints, base, links, "
@@ -192,6 +203,8 @@ def replay(
     sag_deg: float | None,
     damping_time: float | None,
     feed_forward: bool | None,
+    unit: Path | None,
+    corrected: bool,
     record: Path | None,
     force: bool,
     as_json: bool,
@@ -208,10 +221,12 @@ def replay(
       mgs replay walk.mcap --engine mujoco --friction 0.5 --json
       mgs replay walk.mcap --servo pd --sag 2
       mgs replay walk.mcap --servo model --no-feed-forward
+      mgs replay walk.mcap --servo model --unit number_7.yaml --no-correct
       mgs replay walk.mcap --engine mujoco --record replay.gif
     """  # noqa: D301
     from mgs.motion_file import read_motion
-    from mgs.sim import engine_settings, missing_engines
+    from mgs.robot.unit import load_unit
+    from mgs.sim import OneRobot, engine_settings, missing_engines
     from mgs.sim import replay as run
 
     check_servos((servo,), feed_forward, sag_deg, damping_time)
@@ -223,9 +238,9 @@ def replay(
     changes = {"dt": step, "iterations": iterations, "friction": friction}
     settings = engine_settings(name, sag_deg, damping_time, **changes)
     motion = read_motion(file)
-    result = with_progress(
-        name, lambda bar: run(motion, name, settings, bar, servo=servo, feed_forward=feed_forward)
-    )
+    one_robot = None if unit is None else OneRobot(load_unit(unit, motion.robot), corrected)
+    go = partial(run, servo=servo, feed_forward=feed_forward, one_robot=one_robot)
+    result = with_progress(name, lambda bar: go(motion, name, settings, bar))
     if record is not None:
         path = record
         with_progress(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -60,6 +61,17 @@ sag_option = click.option(
 damping_time_option = click.option(
     "--damping-time", metavar="S", type=FiniteRange(0.0, 1.0),
     help="Damping of PD servos divided by their stiffness [s]. Default: 0.01.",
+)  # fmt: skip
+
+unit_option = click.option(
+    "--unit", metavar="FILE.yaml", type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    help="Corrections of one physical robot: the simulated robot has its zeros, signs, scales, "
+    "stiffness and backlash; of ideal servos only zeros, signs and scales. Default: none.",
+)  # fmt: skip
+correct_option = click.option(
+    "--correct/--no-correct", "corrected", default=True,
+    help="Commands in replays with --unit: corrected for that robot, as by mgs export --unit "
+    "(--correct), or not (--no-correct). Default: --correct.",
 )  # fmt: skip
 
 

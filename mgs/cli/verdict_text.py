@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from mgs.core.short_text import clipped
+
 if TYPE_CHECKING:
     from mgs.judge.motion_checks import Check
     from mgs.judge.servo_cases import ServoSweep
@@ -85,6 +87,9 @@ def sentence(replay: Replay) -> str:
     planned_x, planned_y = replay.planned_distance
     fate = f"FELL at {replay.fall_time:.2f} s" if replay.fell else "stays up"
     servos = servo_words(replay)
+    if replay.unit is not None:
+        commands = "corrected" if replay.corrected else "not corrected"
+        servos += f", robot {clipped(replay.unit, 40)} with commands {commands} for it"
     if replay.command_clipped_joint is not None:
         servos += (
             f" (commands clipped by up to {replay.command_clipped_deg:.1f} deg at the limit of "

@@ -20,7 +20,7 @@ from mgs.judge.motion_checks import Check
 from mgs.judge.processes import in_order
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
-from mgs.sim import DEFAULTS, EngineName, ServoName, Settings
+from mgs.sim import DEFAULTS, EngineName, OneRobot, ServoName, Settings
 from mgs.sim.conditions import RANGES, Ranges, draw
 from mgs.sim.prepare import Prepared, prepare
 from mgs.sim.replay import replay_prepared
@@ -108,6 +108,7 @@ def monte_carlo(
     servo: ServoName = "ideal",
     feed_forward: bool | None = None,
     settings: Settings | None = None,
+    one_robot: OneRobot | None = None,
     workers: int = 1,
     progress: Progress | None = None,
 ) -> Robustness:
@@ -122,6 +123,7 @@ def monte_carlo(
         servo: "ideal", "pd" or "model".
         feed_forward: whether servos are told feed-forward commands; None: modelled ones are.
         settings: None for the engine's defaults.
+        one_robot: physical robot whose errors the simulated one has; None: none.
         workers: processes.
         progress: called with draws done and draws in all.
 
@@ -129,7 +131,8 @@ def monte_carlo(
         SimulationError: the engine is missing. A draw whose simulation diverges has not survived.
     """
     settings = settings_of_draws(engine, servo, settings or DEFAULTS[engine])
-    task = Task(prepare(motion, engine, settings, servo, feed_forward), RANGES[ranges], seed)
+    prepared = prepare(motion, engine, settings, servo, feed_forward, one_robot=one_robot)
+    task = Task(prepared, RANGES[ranges], seed)
     done: list[Draw] = []
     with closing(in_order(replay_draw, task, n, workers)) as draws:
         for found in draws:

@@ -19,7 +19,9 @@ from mgs.motion import Motion
 from mgs.motion.energy import energy_of
 from mgs.motion_file import read_motion
 from mgs.robot import servos_of
+from mgs.robot.unit import load_unit
 from mgs.sim import (
+    OneRobot,
     check_servos,
     choose_engines,
     choose_servos,
@@ -47,6 +49,8 @@ def validate(
     workers: int = 1,
     sample: int | None = None,
     servo_sweep: bool = False,
+    unit: str | Path | None = None,
+    corrected: bool = True,
     progress: StepProgress | None = None,
 ) -> Verdict:
     """Judge a motion by static checks and open-loop replays in physics.
@@ -71,6 +75,9 @@ def validate(
             has; None: those of the plan.
         servo_sweep: whether PD servos of many kinds are replayed too (`mgs.judge.servo_sweep`); no
             check depends on it.
+        unit: file with the corrections of one physical robot, whose errors the simulated robot
+            then has; None: it has none.
+        corrected: whether the commands are corrected for these errors, as those of an export are.
         progress: called with the name of a step, and work done and work in all of this step.
 
     Raises:
@@ -91,12 +98,16 @@ def validate(
     motion = read_motion(motion)
     if "model" in servos:
         servos_of(motion.robot)  # before the checks take their time
+    one_robot = None
+    if unit is not None:
+        one_robot = OneRobot(load_unit(Path(unit), motion.robot), corrected)
     checks = check_motion(motion, progress_of_step(progress, "static checks"))
     conditions = None if sample is None else draw(motion, RANGES[ranges], seed, sample)
     told = {kind: None if kind == "ideal" else feed_forward for kind in servos}
     replays = []
     for kind, name in itertools.product(servos, engines):
         run = partial(replay, servo=kind, feed_forward=told[kind], conditions=conditions)
+        run = partial(run, one_robot=one_robot)
         tell = progress_of_step(progress, f"{name}, {kind} servos")
         used = settings[name]
         if sample is not None:
@@ -105,7 +116,7 @@ def validate(
     found, n_draws = [], monte_carlo or 0
     for name in engines if n_draws else ():
         drawn = partial(replay_draws, n=n_draws, seed=seed, ranges=ranges, workers=workers)
-        drawn = partial(drawn, servo=servos[0], feed_forward=told[servos[0]])
+        drawn = partial(drawn, servo=servos[0], feed_forward=told[servos[0]], one_robot=one_robot)
         tell = progress_of_step(progress, f"{name}, {n_draws} random replays")
         found.append(drawn(motion, name, settings=settings[name], progress=tell))
     checks += [survival_check(result) for result in found]

@@ -5,6 +5,7 @@ from mgs.core.progress import Progress
 from mgs.sim.agreement import Agreement, agreement
 from mgs.sim.choice import check_servos, choose_engines, choose_servos, engine_settings
 from mgs.sim.figures import Trace
+from mgs.sim.one_robot import OneRobot
 from mgs.sim.replay import Replay, replay
 from mgs.sim.settings import DEFAULTS, ENGINES, SERVOS, EngineName, ServoName, Settings
 from mgs.sim.strike import Strike
@@ -16,6 +17,7 @@ __all__ = [
     "Agreement",
     "EngineName",
     "MissingEngine",
+    "OneRobot",
     "Progress",
     "Replay",
     "ServoName",

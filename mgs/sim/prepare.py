@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from mgs.core.arrays import Array
 from mgs.core.errors import SimulationError
 from mgs.motion import Motion
-from mgs.motion.servo_commands import servo_commands
+from mgs.motion.servo_commands import Commands, servo_commands
 from mgs.robot import servos_of
 from mgs.sim.engine import require
+from mgs.sim.one_robot import OneRobot
 from mgs.sim.poses import poses_along
 from mgs.sim.servo import servo_figures
 from mgs.sim.settings import DEFAULTS, LOAD_FRICTION_STEP, SERVOS, EngineName, ServoName, Settings
@@ -30,6 +31,7 @@ class Prepared:
     servo: ServoName
     feed_forward: bool
     assumed_stiffness: float
+    one_robot: OneRobot | None  # physical robot whose errors the simulated one has; None: none
     clipped: Array  # (n,) by how much a joint limit cuts a command at most [rad]
     plan: NDArray[np.intp]  # (M,) sample of the motion; the last one stays during the tail
     up: Array  # (M, 3) the world's vertical seen from the torso in the plan
@@ -44,6 +46,7 @@ def prepare(
     servo: ServoName = "ideal",
     feed_forward: bool | None = None,
     assumed_stiffness: float = 1.0,
+    one_robot: OneRobot | None = None,
 ) -> Prepared:
     """Prepare a motion for replays; the arguments are those of `mgs.sim.replay.replay`.
 
@@ -59,10 +62,13 @@ def prepare(
         settings = dataclasses.replace(settings, dt=min(settings.dt, LOAD_FRICTION_STEP[engine]))
     settings = _divide(settings, motion.dt)
     feed_forward = servo == "model" if feed_forward is None else feed_forward
-    commands = None
+    commands, assumed, clipped = None, None, np.zeros(motion.robot.n)
     if feed_forward:
         assumed = servo_figures(motion.robot, servo, settings, assumed_stiffness)
         commands = servo_commands(motion, servos=assumed)
+        clipped = commands.clipped
+    if one_robot is not None:
+        commands = Commands(one_robot.arriving(motion, assumed, servo != "ideal"), clipped)
     n_samples = motion.n_samples + round(settings.tail / motion.dt)
     plan = np.minimum(np.arange(n_samples), motion.n_samples - 1)
     position, velocity = targets_along(motion, settings, commands)
@@ -73,7 +79,8 @@ def prepare(
         servo=servo,
         feed_forward=feed_forward,
         assumed_stiffness=assumed_stiffness,
-        clipped=np.zeros(motion.robot.n) if commands is None else commands.clipped,
+        one_robot=one_robot,
+        clipped=clipped,
         plan=plan,
         up=poses_along(motion.robot, motion.q)[1][plan],
         position=position,

@@ -30,10 +30,11 @@ from mgs.sim.choice import choose_engines
 from mgs.sim.conditions import Conditions, disturbed
 from mgs.sim.engine import make_engine
 from mgs.sim.figures import Trace, figures_of
+from mgs.sim.one_robot import OneRobot
 from mgs.sim.playback import play
 from mgs.sim.prepare import Prepared, prepare
 from mgs.sim.servo import servo_figures
-from mgs.sim.settings import OWN_SERVOS, EngineName, ServoName, Settings
+from mgs.sim.settings import OUTSIDE, OWN_SERVOS, EngineName, ServoName, Settings
 from mgs.sim.strike import Strike
 
 
@@ -47,6 +48,8 @@ class Replay:
     servo: ServoName
     feed_forward: bool  # whether servos were told more than the planned joint angles
     assumed_stiffness: float  # of the feed-forward, relative to that of the servos
+    unit: str | None  # physical robot whose errors the simulated one had; None: none
+    corrected: bool  # whether the commands were corrected for them
     servo_sources: dict[str, str]  # of modelled servos: where their figures come from, by name
     command_clipped_deg: float  # by how much a joint limit cuts a command at most
     command_clipped_joint: str | None
@@ -101,6 +104,7 @@ def replay(
     feed_forward: bool | None = None,
     assumed_stiffness: float = 1.0,
     conditions: Conditions | None = None,
+    one_robot: OneRobot | None = None,
 ) -> Replay:
     """Execute a motion open loop in a physics engine.
 
@@ -116,6 +120,7 @@ def replay(
         assumed_stiffness: stiffness that the feed-forward commands are computed for, relative to
             that of the servos.
         conditions: how robot, servos and floor differ from the plan's; None: not at all.
+        one_robot: physical robot whose errors the simulated one has; None: none.
 
     Raises:
         SimulationError: the engine is missing, has loaded another robot or diverged.
@@ -125,7 +130,7 @@ def replay(
     """
     motion = read_motion(motion)
     engine = engine or choose_engines(None)[0]
-    prepared = prepare(motion, engine, settings, servo, feed_forward, assumed_stiffness)
+    prepared = prepare(motion, engine, settings, servo, feed_forward, assumed_stiffness, one_robot)
     return replay_prepared(prepared, conditions, progress)
 
 
@@ -149,14 +154,16 @@ def replay_prepared(
     """
     started = time.perf_counter()
     motion, robot, settings = prepared.motion, prepared.motion.robot, prepared.settings
-    engine, servo = prepared.engine, prepared.servo
+    engine, servo, one_robot = prepared.engine, prepared.servo, prepared.one_robot
     if conditions is not None:
         robot, settings = disturbed(robot, conditions), _disturbed_settings(settings, conditions)
     servos = None
-    if servo not in OWN_SERVOS[engine]:
+    driven = servo  # by the engine, unless servos are evaluated outside of it
+    if servo not in OWN_SERVOS[engine] or (one_robot is not None and servo == "pd"):
         gain = 1.0 if conditions is None else conditions.gain
-        servos = servo_figures(robot, servo, settings, gain)
-    simulator = make_engine(engine, robot, settings, servo, conditions, motion.scene)
+        servos, driven = servo_figures(robot, servo, settings, gain), OUTSIDE
+        servos = servos if one_robot is None else one_robot.with_errors(servos)
+    simulator = make_engine(engine, robot, settings, driven, conditions, motion.scene)
     try:
         version = simulator.version
         with told_as(lambda what: SimulationError(f"{engine} has failed: {what}")):
@@ -171,6 +178,8 @@ def replay_prepared(
         servo=servo,
         feed_forward=prepared.feed_forward,
         assumed_stiffness=prepared.assumed_stiffness,
+        unit=None if one_robot is None else one_robot.unit.name,
+        corrected=one_robot is not None and one_robot.corrected,
         servo_sources=servo_sources(motion.robot) if servo == "model" else {},
         wall_seconds=time.perf_counter() - started,
         **_clip_figures(prepared),

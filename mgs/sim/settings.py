@@ -14,6 +14,7 @@ __all__ = ["DEFAULTS", "ENGINES", "SERVOS", "EngineName", "ServoName", "Settings
 ServoName = Literal["ideal", "model", "pd"]
 SERVOS: tuple[ServoName, ...] = ("ideal", "model", "pd")
 # Servos that an engine simulates by itself; all others are evaluated outside, once a step.
+OUTSIDE: ServoName = "model"  # what an engine is told of servos that are evaluated outside
 OWN_SERVOS: dict[EngineName, tuple[ServoName, ...]] = {
     "pybullet": ("ideal",),
     "mujoco": ("ideal", "pd"),
