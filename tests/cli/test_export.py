@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from mgs.motion_file import read_motion
+from mgs.robot import load_robot
 from tests.support.commands import files_below, run
 
 LONG_WALK = ("melson/walk_practical", "--set", "com.passes=0", "--set", "walk.n_steps=8")
@@ -73,3 +74,62 @@ def test_a_file_that_is_not_a_motion_file_has_exit_code_two(tmp_path: Path):
     result = run("export", tmp_path / "a.mcap")
     assert result.exit_code == 2
     assert len(files_below(tmp_path)) == 1
+
+
+MOTORS = "mgs: 1\nmotors:\n" + "".join(
+    f"  {name}: {{id: {k}, model: MX-28}}\n"
+    for k, name in enumerate(load_robot("melson").joint_names, start=1)
+)
+
+
+def test_motors_and_one_robot_are_taken_from_files(walk_file: Path, tmp_path: Path):
+    motors, unit = tmp_path / "motors.yaml", tmp_path / "unit.yaml"
+    motors.write_text(MOTORS)
+    unit.write_text(
+        "mgs: 1\nunit: number 7\nrobot: melson\njoints: {waist_yaw: {zero_offset: 0.1}}\n"
+    )
+    options = ("export", walk_file, "--format", "dynamixel", "--motors", motors)
+    told = {}
+    for name, more in (("plain", ()), ("unit", ("--unit", unit)), ("fed", ("--feed-forward",))):
+        result = run(*options, *more, "-o", tmp_path / f"{name}.csv")
+        assert (result.exit_code, result.stderr) == (0, "")
+        lines = (tmp_path / f"{name}.csv").read_text().splitlines()
+        told[name] = np.array([line.split(",") for line in lines if line[0] in "0123456789"], float)
+    motion = read_motion(walk_file)
+    j = motion.robot.joint_names.index("waist_yaw")
+    offset = told["unit"][:, 1:] - told["plain"][:, 1:]
+    assert np.abs(offset[:, j] + 0.1 * 4096 / (2.0 * np.pi)).max() <= 1.0
+    assert not np.delete(offset, j, axis=1).any()
+    assert np.abs(told["fed"] - told["plain"]).max() > 5.0  # ticks, at the knees
+    assert "number 7" in (tmp_path / "unit.csv").read_text()
+    assert "feed-forward" in (tmp_path / "fed.csv").read_text()
+
+
+def test_an_export_tells_what_a_player_makes_of_it(walk_file: Path, tmp_path: Path):
+    motors = tmp_path / "motors.yaml"
+    motors.write_text(MOTORS)
+    options = ("export", walk_file, "--format", "op3-action", "--motors", motors)
+    result = run(*options, "-o", tmp_path / "a.bin", "--tolerance", "1", "--approach", "1")
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert "joint error of the robot's player" in result.stdout
+    assert "the first keyframe is reached after 1.00 s" in result.stdout
+    told = json.loads(run(*options, "-o", tmp_path / "b.bin", "--json").stdout)
+    assert len(told["notes"]) == 3
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--format", "dynamixel"), "motors: no motor given for left_hip_yaw"),
+        (("--format", "jtc", "--cycle"), "--cycle: format jtc holds whole motions"),
+        (("--format", "hulks"), "is no joint of NAO"),
+        (("--format", "op3-action", "--fps", "50"), "50 Hz: the player has 125 Hz"),
+    ],
+)
+def test_what_a_format_cannot_hold_is_refused(
+    long_walk: Path, options: tuple[str, ...], message: str, tmp_path: Path
+):
+    result = run("export", long_walk, *options, "-o", tmp_path / "a")
+    assert result.exit_code == 2 and result.stdout == ""
+    assert message in result.stderr
+    assert list(tmp_path.iterdir()) == []

@@ -412,3 +412,56 @@ def test_a_missing_motion_file_is_a_usage_error(command: str, tmp_path: Path, mo
         result = run(name, file, *options)
         assert (result.exit_code, result.stdout) == (2, "")
         assert file in result.stderr
+
+
+# --- one physical robot -------------------------------------------------------------------------
+
+
+def unit_file(folder: Path, joints: str, robot: str = "melson") -> Path:
+    path = folder / "unit.yaml"
+    path.write_text(f"mgs: 1\nunit: number 7\nrobot: {robot}\njoints: {joints}\n")
+    return path
+
+
+@needs_mujoco
+def test_a_replay_has_the_errors_of_one_robot_and_commands_for_it(walk_file: Path, tmp_path: Path):
+    unit = unit_file(tmp_path, "{left_knee_pitch: {sign: -1}, waist_yaw: {zero_offset: 0.05}}")
+    options = ("replay", walk_file, "--engine", "mujoco", "--unit", unit)
+    corrected, told = (
+        json.loads(run(*options, *more, "--json").stdout) for more in ((), ("--no-correct",))
+    )
+    assert (corrected["unit"], corrected["corrected"], corrected["fell"]) == (
+        "number 7",
+        True,
+        False,
+    )
+    assert (told["unit"], told["corrected"], told["fell"]) == ("number 7", False, True)
+    text = run(*options).stdout
+    assert "robot number 7 with commands corrected for it" in text
+
+
+@needs_mujoco
+def test_a_verdict_is_of_one_robot(walk_file: Path, tmp_path: Path):
+    unit = unit_file(tmp_path, "{left_knee_pitch: {sign: -1}}")
+    options = ("validate", walk_file, "--physics", "mujoco", "--servo", "ideal", "--unit", unit)
+    assert run(*options).exit_code == 0
+    result = run(*options, "--no-correct", "--json")
+    assert result.exit_code == 1
+    (replay,) = json.loads(result.stdout)["replays"]
+    assert replay["fell"] and replay["unit"] == "number 7"
+
+
+@pytest.mark.parametrize("command", [("validate", "--physics", "none"), ("replay",)])
+def test_a_wrong_file_of_one_robot_is_refused(
+    walk_file: Path, command: tuple[str, ...], tmp_path: Path
+):
+    name, *more = command
+    for joints, robot, message in (
+        ("{neck: {sign: -1}}", "melson", "joints.neck: melson has no such joint"),
+        ("{}", "coman", "corrections of 'coman', but the motion is of 'melson'"),
+        ("{waist_yaw: {stiffness: 0}}", "melson", "joints.waist_yaw.stiffness"),
+    ):
+        unit = unit_file(tmp_path, joints, robot)
+        result = run(name, walk_file, *more, "--unit", unit)
+        assert result.exit_code == 2 and result.stdout == ""
+        assert message in result.stderr and str(unit) in result.stderr
