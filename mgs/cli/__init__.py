@@ -38,7 +38,7 @@ COMMANDS = {
         "mgs.cli.tune", "Search for parameters that make a walk robust, fast or efficient."
     ),
     "export": LazyCommand(
-        "mgs.cli.export", "Write joint angles and velocities as CSV or NumPy arrays."
+        "mgs.cli.export", "Write a motion for another program: trainer, servos, spreadsheet."
     ),
     "play": LazyCommand("mgs.cli.play", "Stream a motion to Dynamixel servos."),
     "batch": LazyCommand("mgs.cli.batch", "Make a gait library: many variations of one gait."),
