@@ -55,6 +55,8 @@ def show(name: str, as_json: bool) -> None:
     Example:
       mgs robot show melson
     """  # noqa: D301
+    from dataclasses import asdict
+
     from mgs.core.contact import Side
     from mgs.robot import load_robot
     from mgs.robot.roles import find_roles
@@ -65,12 +67,13 @@ def show(name: str, as_json: bool) -> None:
         {
             "joint": joint,
             "role": roles.get(i),
-            "servo": model.spec.joints[joint],
+            "servo": model.servo_of(joint),
             "lower": float(model.lower[i]),
             "upper": float(model.upper[i]),
             "posture": float(model.posture[i]),
             "speed_limit": float(model.speed_limit[i]),
             "stall_torque": float(model.torque_limit[i]),
+            **({"follows": asdict(model.followers[joint])} if joint in model.followers else {}),
         }
         for i, joint in enumerate(model.joint_names)
     ]
@@ -91,6 +94,11 @@ def show(name: str, as_json: bool) -> None:
             f"{joint:24s} {row['servo']!s:8s} {degrees[0]:7.1f} ..{degrees[1]:6.1f} "
             f"{degrees[2]:8.1f} {row['speed_limit']:6.2f} {row['stall_torque']:5.2f}"
             f"  {row['role'] or '-'}"
+        )
+    for name, follower in model.followers.items():
+        say(
+            f"{name} = {follower.multiplier:g} {follower.leader} {follower.offset:+g} rad, turned "
+            "by the same motor"
         )
 
 

@@ -169,7 +169,7 @@ class _Run:
             if start == 0:
                 q_tree = self._start(tree, q_tree, positions[0], rotations[0], bounds)
             path, errors = self._follow_span(tree, q_tree, start, positions, rotations)
-            self.angles[start:end, tree.order] = path
+            self._take(tree, slice(start, end), path)
             if bounds is not None and not bounds.are_kept(q_tree, path):
                 held = self._follow_span(tree, q_tree, start, positions, rotations, bounds)
                 self._accept_held(tree, q, start, *held, errors)
@@ -207,7 +207,13 @@ class _Run:
             refuse_limits(self.robot, self.angles[span], dt, start)
             refuse_speed(self.robot, np.vstack([q, self.angles[span]]), dt, start - 1)
             raise
+        self._take(tree, span, path)
+
+    def _take(self, tree: TreeTasks, span: slice, path: Array) -> None:
+        """Take joint angles path (N, n) of a tree into `angles`; followers follow."""
         self.angles[span, tree.order] = path
+        if self.robot.coupling is not None:
+            self.robot.coupling.complete(self.angles[span])
 
     def _bounds(self, tree: TreeTasks) -> JointBounds | None:
         """Limits of the joints, if joints are to be held at them."""

@@ -57,7 +57,7 @@ def refuse_stiff_gravity_gain(
         for sign in (1.0, -1.0):
             moved = q.copy()
             moved[i] += sign * DIFFERENCE_STEP
-            tau, dtau = tree.gravity(moved)
+            tau, dtau = tree.at_motors(*tree.gravity(moved))
             gradients.append(tau @ dtau)
     hessian = (np.array(gradients[::2]) - np.array(gradients[1::2])) / (2.0 * DIFFERENCE_STEP)
     tree.update(q)

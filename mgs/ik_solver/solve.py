@@ -57,10 +57,16 @@ def solve_ik(
     """Stage 4: joint angles that meet the tasks; see `IkSolver.solve` for the errors.
 
     Raises:
-        ConfigError: nothing of the solver's name is installed, or legs lack a turn of the sole that
-            only clik does without.
+        ConfigError: nothing of the solver's name is installed, legs lack a turn of the sole that
+            only clik does without, or joints are coupled, which only clik knows.
         MgsError: a solver of another package returns joint angles of a wrong shape.
     """
+    if robot.followers and parameters.solver != "clik":
+        raise ConfigError(
+            "ik.solver",
+            f"{parameters.solver} moves every joint by itself, but joints of {robot.spec.name} are "
+            f"coupled ({', '.join(robot.followers)}); use clik",
+        )
     turn = missing_turn(robot)
     if turn is not None and parameters.solver != "clik":
         raise ConfigError(

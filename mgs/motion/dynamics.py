@@ -29,7 +29,7 @@ class WholeBodyMotion:
     a: Array  # (N, 6 + n)
     com: Array  # (N, 3)
     zmp: Array  # (N, 2) multibody ZMP, at the height of the soles as they share the load
-    torque: Array  # (N, n) of the servos, their rotors' inertia included [N m]
+    torque: Array  # (N, n) of the servos, their rotors' inertia included, 0 at followers [N m]
     soles: Array  # (N, 2, 7)
     hands: Array  # (N, 2, 7)
     torso: Array  # (N, 7)
@@ -128,6 +128,8 @@ def analyse(
     torque = forces[:, FLOATING_BASE_NV:].copy()
     del forces  # of a long walk these arrays are the most memory that is taken
     torque -= _contact_torques(robot, q, contacts)
+    if robot.coupling is not None:
+        torque = robot.coupling.at_motors(torque)
     torque += robot.armature * a[:, FLOATING_BASE_NV:]  # the rotors, which are no link's inertia
     return WholeBodyMotion(q, v, a, com, zmp, torque, frames[:, :2], frames[:, 2:4], frames[:, 4])
 

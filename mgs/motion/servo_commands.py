@@ -59,7 +59,8 @@ def servo_commands(
     v = motion.v[samples, FLOATING_BASE_NV:]
     torque = motion.torque[samples]
     friction = servos.friction_under_load(v, torque)
-    lead = (torque + friction + servos.damping * v) / servos.stiffness
+    stiffness = np.where(robot.motors, servos.stiffness, 1.0)  # a follower gets its planned angle
+    lead = (torque + friction + servos.damping * v) / stiffness
     wanted = motion.q[samples, FLOATING_BASE_NQ:] + lead
     position = np.clip(wanted, robot.lower, robot.upper)
     return Commands(position, np.abs(wanted - position).max(axis=0))

@@ -156,7 +156,9 @@ def _added_block(topic: AddedTopic, channel: int, samples: slice) -> Block:
 def metadata(motion: Motion) -> dict[str, str]:
     """Metadata record `mgs`; numbers are JSON, so that they read back exactly."""
     footsteps = [asdict(s) | {"side": s.side.label} for s in motion.footsteps]
-    return {
+    followers = {name: asdict(f) for name, f in motion.robot.followers.items()}
+    coupled = {"followers": json.dumps(followers, allow_nan=False)} if followers else {}
+    return coupled | {
         "mgs_version": mgs.__version__,
         "schema_version": str(FORMAT_VERSION),
         "gait": motion.gait_name,

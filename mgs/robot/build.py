@@ -10,6 +10,8 @@ import pinocchio as pin
 from mgs.core.constants import FLOATING_BASE_NV
 from mgs.core.contact import Side
 from mgs.robot.consistency import checked_ranges, require_known_names
+from mgs.robot.coupled_limits import couple_limits, couple_posture, followers_in
+from mgs.robot.coupling import coupling_of
 from mgs.robot.pinocchio_urdf import parse_urdf
 from mgs.robot.robot import Robot
 from mgs.robot.spec import FrameSpec, RobotSpec, parse_spec
@@ -33,15 +35,22 @@ def build_robot(
         ConfigError: a file is malformed, or the two contradict each other.
     """
     spec = parse_spec(yaml_text, source) if spec is None else spec
+    followers = followers_in(urdf_text, spec, source)
     urdf_text = lock_joints(urdf_text, spec.locked, str(source), spec.urdf)
     model = parse_urdf(urdf_text, f"{source}: {spec.urdf}")
     names = tuple(model.names[2:])
-    require_known_names(spec, model, names, source)
-    servos = [spec.servos[spec.joints[name]] for name in names]
+    require_known_names(spec, model, names, source, followers)
+    movers = [followers[name].leader if name in followers else name for name in names]
+    servos = [spec.servos[spec.joints[name]] for name in movers]
+    is_motor = np.array([name not in followers for name in names], dtype=np.bool_)
     no_load_speed = np.array([servo.no_load_speed for servo in servos])
     speed_limit = np.minimum(model.velocityLimit[FLOATING_BASE_NV:], no_load_speed)
     posture = np.array([spec.posture.get(name, 0.0) for name in names])
     lower, upper = checked_ranges(spec, model, names, speed_limit, posture, source)
+    coupling = coupling_of(names, followers)
+    if coupling is not None:
+        couple_limits(coupling, lower, upper, speed_limit, no_load_speed)
+        couple_posture(coupling, names, spec, posture, (lower, upper), source)
     left = _add_frame(model, f"sole_{Side.LEFT.label}", spec.soles.left)
     right = _add_frame(model, f"sole_{Side.RIGHT.label}", spec.soles.right)
     torso = _add_frame(model, "torso_frame", spec.torso)
@@ -57,11 +66,12 @@ def build_robot(
         speed_limit=speed_limit,
         no_load_speed=no_load_speed,
         torque_limit=np.array([servo.stall_torque for servo in servos]),
-        armature=np.array([servo.armature for servo in servos]),
+        armature=np.where(is_motor, [servo.armature for servo in servos], 0.0),
         posture=posture,
         sole_frames=(left, right),
         hand_frames=_add_hands(model, spec) or (torso, torso),
         torso_frame=torso,
+        followers=followers,
     )
 
 

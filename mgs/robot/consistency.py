@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +16,13 @@ from mgs.robot.spec import MAX_ANGLE, MAX_LENGTH, MAX_MASS, FrameSpec, RobotSpec
 
 
 def require_known_names(
-    spec: RobotSpec, model: pin.Model, names: tuple[str, ...], source: str | Path
+    spec: RobotSpec,
+    model: pin.Model,
+    names: tuple[str, ...],
+    source: str | Path,
+    followers: Collection[str] = (),
 ) -> None:
-    """Check all links, joints and servos that robot.yaml names.
+    """Check all links, joints and servos that robot.yaml names; followers have no servo.
 
     Raises:
         ConfigError: a name is missing or unknown, or a joint has no revolute axis with limits.
@@ -26,7 +30,12 @@ def require_known_names(
     problems: list[str] = []
     _check_kinds(spec, model, names, problems)
     _check_links(spec, model, problems)
-    _check_servos(spec, names, problems)
+    _check_servos(spec, [name for name in names if name not in followers], problems)
+    problems += [
+        f"joints: {name} follows another joint and has no servo of its own; leave it out"
+        for name in followers
+        if name in spec.joints
+    ]
     _check_joint_names(spec, names, problems)
     problems += repeated_ids(spec.motors)
     if problems:
@@ -95,7 +104,7 @@ def _check_links(spec: RobotSpec, model: pin.Model, problems: list[str]) -> None
             problems.append(f"ignore_collisions: {spec.urdf} has no link {link!r}")
 
 
-def _check_servos(spec: RobotSpec, names: tuple[str, ...], problems: list[str]) -> None:
+def _check_servos(spec: RobotSpec, names: Iterable[str], problems: list[str]) -> None:
     for name in names:
         if name not in spec.joints:
             problems.append(f"joints: no servo given for joint {name!r} of {spec.urdf}")

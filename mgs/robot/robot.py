@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
+import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.core.contact import Side
 from mgs.robot.collision_shapes import collision_geometry
+from mgs.robot.coupling import Coupling, Follower, coupling_of
 from mgs.robot.spec import RobotSpec, SoleSpec
 
 
@@ -32,12 +36,13 @@ class Robot:
     upper: Array  # [rad]
     speed_limit: Array  # smaller of URDF velocity limit and servo no-load speed [rad/s]
     no_load_speed: Array  # no-load speed of the servo [rad/s]
-    torque_limit: Array  # stall torque of the servo [N m]
-    armature: Array  # rotor inertia, reflected to the joint [kg m^2]
+    torque_limit: Array  # stall torque of the servo, at a follower that of its leader's [N m]
+    armature: Array  # rotor inertia, reflected to the joint, 0 at a follower [kg m^2]
     posture: Array  # half-sitting joint angles [rad]
     sole_frames: tuple[int, int]  # frame ids in `model`, left and right
     hand_frames: tuple[int, int]  # frame ids; the torso frame twice for a robot without hands
     torso_frame: int
+    followers: Mapping[str, Follower] = field(default_factory=dict)  # joints without a motor
 
     def __repr__(self) -> str:
         return f"<Robot {self.spec.name}: {self.n} joints, {self.mass:.2f} kg>"
@@ -51,6 +56,22 @@ class Robot:
     def mass(self) -> float:
         """Total mass [kg]."""
         return float(pin.computeTotalMass(self.model))
+
+    @functools.cached_property
+    def coupling(self) -> Coupling | None:
+        """How followers turn with their leaders; None if every joint has a motor of its own."""
+        return coupling_of(self.joint_names, self.followers)
+
+    @functools.cached_property
+    def motors(self) -> NDArray[np.bool_]:
+        """Mask (n,) of the joints that have a motor of their own."""
+        coupling = self.coupling
+        return np.ones(self.n, dtype=np.bool_) if coupling is None else coupling.motors
+
+    def servo_of(self, joint: str) -> str:
+        """Name of the servo model that turns a joint, of a follower that of its leader."""
+        follower = self.followers.get(joint)
+        return self.spec.joints[joint if follower is None else follower.leader]
 
     def sole_spec(self, side: Side) -> SoleSpec:
         """Contact rectangle of one sole."""

@@ -87,30 +87,38 @@ def servos_of(robot: Robot) -> Servos:
                 for name in missing
             ],
         )
-    specs = [robot.spec.servos[robot.spec.joints[name]] for name in robot.joint_names]
+    specs = [robot.spec.servos[robot.servo_of(name)] for name in robot.joint_names]
+
+    motors = robot.motors  # a joint that follows another one has nothing of its own but its bearing
 
     def figures(name: str) -> Array:
         return np.array([getattr(spec, name) for spec in specs], dtype=np.float64)
+
+    def of_motors(values: Array) -> Array:
+        return np.where(motors, values, 0.0)
 
     damping, back_emf = figures("damping"), robot.torque_limit / robot.no_load_speed
     return Servos(
         stall_torque=robot.torque_limit,
         no_load_speed=robot.no_load_speed,
-        stiffness=figures("spring"),
-        damping=np.where(np.isnan(damping), back_emf, damping),  # None is NaN here
+        stiffness=of_motors(figures("spring")),
+        damping=of_motors(np.where(np.isnan(damping), back_emf, damping)),  # None is NaN here
         latency=figures("latency"),
         resolution=figures("resolution"),
         deadband=figures("deadband"),
-        punch=figures("punch"),
-        coulomb_friction=figures("friction"),
-        viscous_friction=figures("viscous_friction"),
+        punch=of_motors(figures("punch")),
+        coulomb_friction=of_motors(figures("friction")),
+        viscous_friction=of_motors(figures("viscous_friction")),
         brakes_beyond_stall=np.array([spec.model is not None for spec in specs]),
-        load_friction=_load_friction(specs),
+        load_friction=_load_friction(specs, motors),
     )
 
 
-def _load_friction(specs: list[ServoSpec]) -> LoadFriction | None:
-    parameters = [spec.friction_parameters for spec in specs]
+def _load_friction(specs: list[ServoSpec], motors: Bools) -> LoadFriction | None:
+    parameters = [
+        spec.friction_parameters if has_motor else None
+        for spec, has_motor in zip(specs, motors, strict=True)
+    ]
     if not any(parameters):
         return None
     return load_friction([NO_FRICTION if found is None else found for found in parameters])
@@ -118,7 +126,7 @@ def _load_friction(specs: list[ServoSpec]) -> LoadFriction | None:
 
 def servo_sources(robot: Robot) -> dict[str, str]:
     """Where the figures of the servos in use come from, by the names of the servo models."""
-    used = sorted({robot.spec.joints[name] for name in robot.joint_names})
+    used = sorted({robot.servo_of(name) for name in robot.joint_names})
     return {name: robot.spec.servos[name].source for name in used}
 
 
@@ -133,7 +141,7 @@ def pd_servos(robot: Robot, sag: Array | float, damping_time: float) -> Servos:
         sag: error of the angle at stall torque, one for all joints or (n,) [rad].
         damping_time: damping relative to the stiffness [s].
     """
-    none, stiffness = np.zeros(robot.n), robot.torque_limit / sag
+    none, stiffness = np.zeros(robot.n), np.where(robot.motors, robot.torque_limit / sag, 0.0)
     return Servos(
         stall_torque=robot.torque_limit,
         no_load_speed=robot.no_load_speed,
@@ -150,5 +158,5 @@ def pd_servos(robot: Robot, sag: Array | float, damping_time: float) -> Servos:
 
 
 def _without_stiffness(robot: Robot) -> list[str]:
-    used = {robot.spec.joints[name] for name in robot.joint_names}
+    used = {robot.servo_of(name) for name in robot.joint_names}
     return sorted(name for name in used if robot.spec.servos[name].spring is None)

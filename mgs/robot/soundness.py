@@ -178,13 +178,17 @@ def _strength(robot: Robot, data: pin.Data) -> Finding:
 
 
 def one_legged_torques(robot: Robot, data: pin.Data, side: Side) -> Array:
-    """Joint torques (n,) [N m] of the posture with the whole weight in the middle of one sole."""
+    """Torques (n,) [N m] of the motors in the posture, the whole weight in the middle of one sole.
+
+    Followers have none.
+    """
     model, q = robot.model, robot.standing_q
     frame = robot.sole_frames[side]
     J = pin.computeFrameJacobian(model, model.createData(), q, frame, pin.LOCAL_WORLD_ALIGNED)
     middle = np.array([0.0, 0.0, robot.mass * GRAVITY])
     gravity = pin.computeGeneralizedGravity(model, data, q)
-    return np.asarray((gravity - J[:3].T @ middle)[FLOATING_BASE_NV:])
+    torque = np.asarray((gravity - J[:3].T @ middle)[FLOATING_BASE_NV:])
+    return torque if robot.coupling is None else robot.coupling.at_motors(torque)
 
 
 def _collisions(robot: Robot, q: Array) -> Finding:

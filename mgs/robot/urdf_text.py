@@ -46,8 +46,8 @@ def add_revolute(
     placement: pin.SE3,
     axis: Array,
     limits: tuple[float, float, float, float],
-) -> None:
-    """Append a revolute joint.
+) -> ElementTree.Element:
+    """Append a revolute joint, which is returned.
 
     Args:
         root: robot element of the URDF.
@@ -65,6 +65,7 @@ def add_revolute(
     keys = ("lower", "upper", "effort", "velocity")
     values = {key: repr(float(value)) for key, value in zip(keys, limits, strict=True)}
     ElementTree.SubElement(element, "limit", values)
+    return element
 
 
 def add_origin(parent: ElementTree.Element, placement: pin.SE3) -> None:

@@ -17,6 +17,7 @@ from mgs.sim.far_shapes import FarShapes
 from mgs.sim.model import joint_names, link_name, simulation_urdf
 from mgs.sim.mujoco_servos import (
     add_servos,
+    couple_joints,
     friction_torques,
     harden_friction,
     pd_torques,
@@ -222,8 +223,8 @@ class MujocoEngine:
         option.integrator = mj.mjtIntegrator.mjINT_IMPLICITFAST
         option.cone = mj.mjtCone.mjCONE_ELLIPTIC
         option.impratio = IMPRATIO
-        unused = UNUSED if self._scene.balls else (*UNUSED, "ISLAND")  # one island without balls
-        for name in unused:
+        unused = {*UNUSED} if self._scene.balls else {*UNUSED, "ISLAND"}  # one island without balls
+        for name in unused - ({"EQUALITY"} if self._robot.followers else set()):
             option.disableflags |= int(getattr(mj.mjtDisableBit, f"mjDSBL_{name}"))
         spec.worldbody.first_body().add_freejoint()  # else the base is welded to the world
         for geom in spec.geoms:  # the robot touches the ground, not itself
@@ -263,6 +264,7 @@ class MujocoEngine:
                 solref=[max(CONTACT_TIME, 2.0 * settings.dt), 1.0],
             )
         add_servos(spec, self._robot, settings, self._servo, self._gain)
+        couple_joints(spec, self._robot, settings.dt)
         model = spec.compile()
         if self._servo == "pd":
             set_damping(model, self._robot, settings, self._gain)

@@ -41,6 +41,7 @@ def add_servos(spec: Any, robot: Robot, settings: Settings, servo: ServoName, ga
     kp = _stiffness(robot, settings, servo) * gain
     # MuJoCo's contacts give way in proportion to 1 / inertia: feet without rotor inertia creep
     armature = np.where(robot.armature > 0.0, robot.armature, stall / ROTOR_ACCELERATION)
+    armature = np.where(robot.motors, armature, 0.0)
     for i, name in enumerate(joint_names(robot)):
         spec.joint(name).armature = float(armature[i])
         actuator = _add_actuator(spec, name, name)
@@ -53,12 +54,35 @@ def add_servos(spec: Any, robot: Robot, settings: Settings, servo: ServoName, ga
         _add_actuator(spec, name, f"{name} back-EMF")
 
 
+def couple_joints(spec: Any, robot: Robot, dt: float) -> None:
+    """Let followers turn with their leaders, as hard as a step of dt [s] allows."""
+    import mujoco
+
+    coupling = robot.coupling
+    if coupling is None:
+        return
+    names = joint_names(robot)
+    rows = zip(
+        coupling.followers, coupling.leaders, coupling.multipliers, coupling.offsets, strict=True
+    )
+    for follower, leader, multiplier, offset in rows:
+        equality = spec.add_equality(
+            type=mujoco.mjtEq.mjEQ_JOINT,
+            objtype=mujoco.mjtObj.mjOBJ_JOINT,
+            name1=names[follower],
+            name2=names[leader],
+            solref=[2.0 * dt, 1.0],
+        )
+        equality.data[:5] = [offset, multiplier, 0.0, 0.0, 0.0]
+        equality.solimp[:2] = HARDEST
+
+
 def set_damping(model: Any, robot: Robot, settings: Settings, gain: Array) -> None:
     """Give the PD servos of a compiled model their damping.
 
     Compilation would take a positive coefficient of the speed for a damping ratio.
     """
-    n, slope = robot.n, robot.torque_limit / robot.no_load_speed
+    n, slope = robot.n, robot.motors * robot.torque_limit / robot.no_load_speed
     kp = _stiffness(robot, settings, "pd") * gain
     model.actuator_biasprm[:n, 2] = slope - kp * settings.damping_time
     model.actuator_biasprm[n:, 2] = -slope
@@ -87,9 +111,10 @@ def friction_torques(model: Any, data: Any) -> Array:
 
 def _stiffness(robot: Robot, settings: Settings, servo: ServoName) -> Array:
     """Stiffness (n,) [N m/rad]; 0 where torques are pushed from outside."""
+    stall = np.where(robot.motors, robot.torque_limit, 0.0)  # followers have no motor
     if servo == "ideal":
-        return robot.torque_limit * settings.stiffness
-    return robot.torque_limit / settings.sag if servo == "pd" else np.zeros(robot.n)
+        return stall * settings.stiffness
+    return stall / settings.sag if servo == "pd" else np.zeros(robot.n)
 
 
 def _add_actuator(spec: Any, joint: str, name: str) -> Any:

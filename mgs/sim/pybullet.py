@@ -20,7 +20,7 @@ from mgs.robot import Robot
 from mgs.sim.audit import EngineModel
 from mgs.sim.conditions import Conditions, bumps, gravity_on_slope
 from mgs.sim.model import joint_names, simulation_urdf
-from mgs.sim.pybullet_scene import BASE, add_balls, add_ground
+from mgs.sim.pybullet_scene import BASE, add_balls, add_ground, couple_joints
 from mgs.sim.servo import Driven, DryFriction, JointState, with_friction
 from mgs.sim.settings import ServoName, Settings
 
@@ -50,6 +50,7 @@ class PybulletEngine:
         self._conditions, self._scene = conditions, scene
         gain = 1.0 if conditions is None else conditions.gain
         self._stiffness = settings.stiffness * robot.torque_limit * gain  # (n,) [N m/rad]
+        self._strength = (robot.motors * robot.torque_limit).tolist()  # (n,) [N m]
         self._yield, self._torque = np.zeros(robot.n), np.zeros(robot.n)  # [rad], [N m]
         self._client = pybullet.connect(pybullet.DIRECT)
         slope = np.zeros(2) if conditions is None else conditions.slope
@@ -61,6 +62,7 @@ class PybulletEngine:
         self._grounds = add_ground(pybullet, self._client, boxes)
         self._body = self._load_robot()
         self._joints = self._joint_indices()
+        couple_joints(pybullet, self._client, self._body, self._joints, robot)
         feet = [robot.model.frames[frame].parentJoint for frame in robot.sole_frames]
         self._side_of_link = {self._joints[joint - 2]: side for side, joint in enumerate(feet)}
         self._balls = add_balls(pybullet, self._client, scene.balls, settings.friction)
@@ -182,7 +184,7 @@ class PybulletEngine:
             self._p.POSITION_CONTROL,
             targetPositions=(position - self._yield).tolist(),
             targetVelocities=velocity.tolist(),
-            forces=self._robot.torque_limit.tolist(),
+            forces=self._strength,
             positionGains=[min(1.0, settings.dt / CORRECTION_TIME)] * n,
             velocityGains=[1.0] * n,
             physicsClientId=self._client,

@@ -7,8 +7,11 @@ from typing import Any
 
 from mgs.core.geometry import quat_xyzw_from_yaw
 from mgs.core.scene import BALL_FRICTION, Ball, Box
+from mgs.robot import Robot
 
 BASE = -1  # PyBullet's index of the base link
+GEAR_FORCE = 1e5  # [N m] that holds coupled joints together: more than any of them needs
+GEAR_CORRECTION = 0.2  # part of the error of coupled joints that is removed in a step
 
 
 def add_ground(p: Any, client: int, boxes: Sequence[Box]) -> list[int]:
@@ -55,3 +58,36 @@ def add_balls(p: Any, client: int, balls: Sequence[Ball], friction: float) -> li
         )
         bodies.append(body)
     return bodies
+
+
+def couple_joints(p: Any, client: int, body: int, joints: Sequence[int], robot: Robot) -> None:
+    """Let followers turn with their leaders: q_follower - multiplier q_leader = offset.
+
+    `joints` are PyBullet's indices of the robot's joints, in their order.
+    """
+    coupling = robot.coupling
+    if coupling is None:
+        return
+    rows = zip(
+        coupling.followers, coupling.leaders, coupling.multipliers, coupling.offsets, strict=True
+    )
+    for follower, leader, multiplier, offset in rows:
+        gear = p.createConstraint(
+            body,
+            joints[follower],
+            body,
+            joints[leader],
+            p.JOINT_GEAR,
+            jointAxis=[0, 0, 1],
+            parentFramePosition=[0, 0, 0],
+            childFramePosition=[0, 0, 0],
+            physicsClientId=client,
+        )
+        p.changeConstraint(
+            gear,
+            gearRatio=-float(multiplier),
+            relativePositionTarget=float(offset),
+            erp=GEAR_CORRECTION,
+            maxForce=GEAR_FORCE,
+            physicsClientId=client,
+        )

@@ -67,10 +67,11 @@ class TreeBatch:
     def tasks_at(self, q: Array) -> tuple[Array, Array]:
         """Target minus actual (N, m) and task Jacobians (N, m, n) at joint angles q (N, n)."""
         f, R = np.empty((self.n_samples, N_POSITIONS)), np.empty((self.n_samples, 3, 3))
-        J = np.empty((self.n_samples, N_TASKS, self.n))
+        J = np.zeros((self.n_samples, N_TASKS, self.n))  # and 0 in the columns of followers
         for start, end in self.spans:
             tree = self._stand(start)
-            q_tree, J_tree = q[start:end, tree.order], np.empty((end - start, N_TASKS, self.n))
+            q_tree = q[start:end, tree.order]
+            J_tree = np.empty((end - start, N_TASKS, len(tree.order)))
             for i in range(end - start):
                 tree.update(q_tree[i])
                 J_tree[i], f[start + i], R[start + i] = tree.J, tree.f, tree.R

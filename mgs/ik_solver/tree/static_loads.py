@@ -154,13 +154,16 @@ def _minus_below_diagonal(n: int) -> Array:
 def loaded_gravity(
     tree: TreeTasks, loads: StaticLoads | None, k: int, q: Array
 ) -> tuple[Array, Array]:
-    """Static torques (n,) [N m] at sample k and their derivative (n, n), in the tree's order.
+    """Static torques (n,) of the motors at sample k [N m] and their derivative (n, n).
+
+    Both are in the order of the tree's coordinates q (n,).
 
     Without `loads` the root sole carries everything.
     """
     tau, derivative = tree.gravity(q)
     if loads is None or not loads.loaded[k]:
-        return tau, derivative
+        return tree.at_motors(tau, derivative)
     J = tree.swing_jacobian()
     wrench, C = loads.at(k, tau, J)
-    return tau - wrench.dot(J), derivative - contact_derivative(J.T.dot(C.dot(J)))
+    tau, derivative = tau - wrench.dot(J), derivative - contact_derivative(J.T.dot(C.dot(J)))
+    return tree.at_motors(tau, derivative)

@@ -39,6 +39,9 @@ class TreeTasks:
     of the sole (`mgs.robot.legs`), its row holds the pelvis instead: upright without hip yaw; level
     without ankle roll, and straight ahead in a sixteenth row.
 
+    Coordinates are the angles of the joints that move by themselves, n in number. Where joints are
+    coupled, all angles are S q + s0 (`mgs.robot.coupling`), and Jacobians are J S.
+
     Attributes:
         n_rows: number m of rows, 15 or 16.
         asked_rows: rows that are not those of a free hand.
@@ -46,7 +49,8 @@ class TreeTasks:
         J: (m, n) task Jacobian in the tree's joint order; rows in the world frame.
         f: (12,) positions of swing sole, right hand, left hand and CoM [m].
         R: (3, 3) rotation of the swing sole, a view that follows every update.
-        order: (n,) joints of the robot in the order of the tree, from the root outward.
+        order: (n,) joints of the robot that are coordinates, in the order of the tree, from the
+            root outward.
     """
 
     def __init__(
@@ -55,7 +59,7 @@ class TreeTasks:
         tree: SupportTree = build_support_tree(robot, side)
         self.tree = tree
         self.model, self.data = tree.model, tree.model.createData()
-        self.order = tree.order
+        self._set_coordinates(robot)
         rows = zip((LEFT_HAND, RIGHT_HAND), hands_asked, strict=True)
         self.free_rows = [row for row, is_asked in rows if not is_asked]
         held = HELD[missing_turn(robot)]
@@ -64,7 +68,7 @@ class TreeTasks:
         self.n_rows = max([N_TASKS, *(row + 1 for row in self.held_rows)])
         free = [np.arange(N_TASKS)[rows] for rows in self.free_rows]
         self.asked_rows = np.setdiff1d(np.arange(self.n_rows), np.concatenate([[-1], *free]))
-        self.rows = np.zeros((self.n_rows + 1, robot.n))
+        self.rows = np.zeros((self.n_rows + 1, len(self.order)))
         self.J, self.f = self.rows[:-1], np.zeros(N_POSITIONS)
         self._J_tasks = self.J[:N_TASKS]
         self._com, self._com_offset = np.zeros(3), tree.com_offset  # in the world frame [m]
@@ -84,6 +88,17 @@ class TreeTasks:
         self._heading = np.eye(3)  # rotation of the support sole
         self._base_turn = np.zeros(3)  # from the base to its rest, axes of the support sole
 
+    def _set_coordinates(self, robot: Robot) -> None:
+        """Choose the coordinates: joints in the tree's order, of coupled ones the leaders alone."""
+        order, coupling = self.tree.order, robot.coupling
+        is_free = robot.motors[order]
+        self.order = order[is_free]
+        self._S: Array | None = None
+        self._s0 = np.zeros(len(order))
+        if coupling is not None:
+            self._S = np.ascontiguousarray(coupling.S[np.ix_(order, self.order)])
+            self._s0 = coupling.s0[order]
+
     def place(self, T_world_sole: pin.SE3) -> None:
         """Place the support sole in the world."""
         self.tree.place(T_world_sole)
@@ -92,14 +107,18 @@ class TreeTasks:
 
     def update(self, q: Array) -> None:
         """Refill J, f and R at joint angles q (n,) in the tree's order."""
-        model, data = self.model, self.data
+        model, data, S = self.model, self.data, self._S
+        q = self._all(q)
         swing_sole, right_hand, left_hand = self._frames
         J_com = pin.jacobianCenterOfMass(model, data, q, False)  # also places joints, fills data.J
         J_swing = pin.getFrameJacobian(model, data, swing_sole, WORLD_ALIGNED)
         J_right = pin.getFrameJacobian(model, data, right_hand, WORLD_ALIGNED)
         J_left = pin.getFrameJacobian(model, data, left_hand, WORLD_ALIGNED)
         rows = (J_swing[:3], J_right[:3], J_left[:3], J_com, J_swing[3:])
-        np.concatenate(rows, 0, self._J_tasks)
+        if S is None:
+            np.concatenate(rows, 0, self._J_tasks)
+        else:
+            np.dot(np.concatenate(rows, 0), S, self._J_tasks)
         self._set_values(self.f)
         if self._has_exceptions:
             self._set_exceptions()
@@ -117,13 +136,13 @@ class TreeTasks:
         if self.held_rows:
             base = self.data.oMf[self.tree.base].rotation
             J_base = pin.getFrameJacobian(self.model, self.data, self.tree.base, WORLD_ALIGNED)
-            self.J[self.held_rows] = self._heading.T[self._held_axes] @ J_base[3:]
+            self.J[self.held_rows] = self._heading.T[self._held_axes] @ self._free(J_base[3:])
             turn = pin.log3(self._heading @ self._base_rest @ base.T)
             self._base_turn = self._heading.T @ turn
 
     def values(self, q: Array, f: Array, R: Array) -> None:
         """Write positions (12,) and swing sole rotation (3, 3) at q (n,); J and f stay."""
-        pin.centerOfMass(self.model, self.data, q, False)  # also places joints
+        pin.centerOfMass(self.model, self.data, self._all(q), False)  # also places joints
         self._set_values(f)
         R[:] = self.R
 
@@ -145,17 +164,30 @@ class TreeTasks:
     def torso_error(self, R_ref: Array) -> tuple[Array, Array]:
         """Jacobian (3, n) and error (3,) of the torso's rotation, after `update`, world axes."""
         frame = self.tree.torso
-        J = pin.getFrameJacobian(self.model, self.data, frame, WORLD_ALIGNED)[3:]
+        J = self._free(pin.getFrameJacobian(self.model, self.data, frame, WORLD_ALIGNED)[3:])
         return J, pin.log3(R_ref.dot(self.data.oMf[frame].rotation.T))
 
     def swing_jacobian(self) -> Array:
-        """Spatial Jacobian (6, n) of the swing sole in the world, at the last joint angles."""
+        """Spatial Jacobian of the swing sole by all joints, in the world, at the last angles."""
         return self._J_world * self._on_chain
 
     def gravity(self, q: Array) -> tuple[Array, Array]:
-        """Gravity torques (n,) [N m] and their derivative (n, n), in the tree's order.
+        """Gravity torques of all joints [N m] and their derivative, in the model's order.
 
         tau = -J_com^T M g and d tau / dq of the standing robot, eq. (24) of the same paper.
         """
-        derivative = pin.computeGeneralizedGravityDerivatives(self.model, self.data, q)
+        derivative = pin.computeGeneralizedGravityDerivatives(self.model, self.data, self._all(q))
         return self.data.g, derivative
+
+    def at_motors(self, tau: Array, derivative: Array) -> tuple[Array, Array]:
+        """Torques (n,) of the motors and their derivative (n, n), from those of all joints."""
+        S = self._S
+        return (tau, derivative) if S is None else (tau.dot(S), S.T.dot(derivative).dot(S))
+
+    def _all(self, q: Array) -> Array:
+        """Angles of all joints, in the model's order, from the coordinates q (n,)."""
+        return q if self._S is None else self._S.dot(q) + self._s0
+
+    def _free(self, J: Array) -> Array:
+        """Jacobian (..., n) by the coordinates, from one by all joints."""
+        return J if self._S is None else J @ self._S

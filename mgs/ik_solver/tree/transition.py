@@ -41,6 +41,8 @@ def bridge_postures(
             break
         y = np.linalg.solve(J @ J.transpose(0, 2, 1), error[..., None])
         q = q + (J.transpose(0, 2, 1) @ y)[..., 0]
+        if robot.coupling is not None:
+            robot.coupling.complete(q)
         error, J = batch.tasks_at(q)
     errors = np.zeros((n, N_TASKS))
     errors[:, batch.rows] = error

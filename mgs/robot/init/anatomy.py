@@ -51,7 +51,6 @@ def find_anatomy(skeleton: Skeleton, source: Source) -> Anatomy:
     shared = [a for a, b in zip(*paths, strict=False) if a == b]
     pelvis = shared[-1] if shared else BASE
     left, right = (path[len(shared) :] for path in paths)
-    _refuse_followers_in(left + right, source, skeleton)
     if len(left) != len(right):
         raise ConfigError(
             source.path,
@@ -139,17 +138,6 @@ def _first_of_limb(
             break
         first = above
     return first
-
-
-def _refuse_followers_in(legs: list[int], source: Source, skeleton: Skeleton) -> None:
-    moved = {skeleton.name(joint) for joint in legs}
-    fixed = [f"{a} mimics {b}" for a, b in source.mimics.items() if b in moved]
-    if fixed:
-        raise ConfigError(
-            source.path,
-            f"leg joints are coupled ({', '.join(fixed)}); mgs supports only trees of independent "
-            "joints",
-        )
 
 
 def _arms(skeleton: Skeleton, rest: list[int]) -> tuple[list[int], list[int]] | None:

@@ -66,7 +66,12 @@ def cleaned_urdf(
         )  # fmt: skip
         ends = links[int(model.parents[body])], links[body]
         placement, axis = model.jointPlacements[body], joint_axis(model, body)
-        add_revolute(root, skeleton.name(body), ends, placement, axis, limits)
+        element = add_revolute(root, skeleton.name(body), ends, placement, axis, limits)
+        if body in skeleton.followers:
+            _, follower = skeleton.followers[body]
+            mimic = ElementTree.SubElement(element, "mimic", joint=follower.leader)
+            mimic.set("multiplier", repr(float(follower.multiplier)))
+            mimic.set("offset", repr(float(follower.offset)))
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode") + "\n"
 

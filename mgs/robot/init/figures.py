@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mgs.core.constants import GRAVITY
 from mgs.robot.init.anatomy import Anatomy
@@ -57,6 +57,9 @@ def servo_figures(
         figures[joint] = ServoFigures(
             effort, velocity, tuple(guessed), drive.armature, drive.damping, drive.friction
         )
+    for joint, (leader, follower) in skeleton.followers.items():  # turned by the leader's motor
+        motor = figures[leader]
+        figures[joint] = replace(motor, velocity=motor.velocity * abs(follower.multiplier))
     return figures
 
 

@@ -16,6 +16,7 @@ from mgs.robot.build import build_robot
 from mgs.robot.init.anatomy import Anatomy, find_anatomy
 from mgs.robot.init.bodies import clean_shapes, cleaned_urdf, link_names, mended_inertias
 from mgs.robot.init.collisions import touching_pairs
+from mgs.robot.init.coupled import free_leg_followers
 from mgs.robot.init.facing import heading
 from mgs.robot.init.figures import servo_figures
 from mgs.robot.init.posture import NEAR, find_posture, hand_point, leg_length
@@ -140,6 +141,8 @@ def _read(urdf: Path, package_paths: tuple[Path, ...]) -> tuple[Source, Skeleton
     source = read_source(urdf, package_paths)
     skeleton = build_skeleton(source, package_paths)
     _refuse_units(skeleton, source)
+    if free_leg_followers(source, skeleton):
+        skeleton = build_skeleton(source, package_paths)
     if yaw := heading(skeleton, source):
         turn(source, yaw)
         skeleton = build_skeleton(source, package_paths)

@@ -4,7 +4,8 @@ The base stays upright. Each leg is solved separately by bounded least squares, 
 at the lateral distance of the sole with all joints at 0 or at a smaller one that suits a walk, and
 at a height that bends the knee. The
 soles are then moved below the CoM and the legs are solved again, until the position converges.
-The arms hang forward with bent elbows.
+The arms hang forward with bent elbows. Where leg joints are coupled, the legs are solved together,
+and the base may pitch (`coupled_posture`).
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from mgs.core.arrays import Array
 from mgs.robot.init.anatomy import Anatomy
+from mgs.robot.init.coupled_posture import place_coupled_soles
 from mgs.robot.init.skeleton import Skeleton
 from mgs.robot.init.sole import Sole
 from mgs.robot.limbs import stretched_length
@@ -115,7 +117,9 @@ def _load(
     weight = np.array([0.0, 0.0, gravity[2]])  # the base is upright: entry 2 is the weight
     wrench = np.concatenate([weight, np.cross(at, weight)])  # about the origin
     needed = gravity - pin.getJointJacobian(model, data, leg[-1], pin.WORLD).T @ wrench
-    pitch = [j for j in leg if _turns_in_pitch(skeleton, j)]
+    for joint, (leader, follower) in skeleton.followers.items():
+        needed[model.idx_vs[leader]] += follower.multiplier * needed[model.idx_vs[joint]]
+    pitch = [j for j in leg if _turns_in_pitch(skeleton, j) and j not in skeleton.followers]
     return max((abs(float(needed[model.idx_vs[j]])) / torque[j] for j in pitch), default=0.0)
 
 
@@ -137,11 +141,21 @@ def _sit(
     drop = min(hips[0][2] - rest[0].translation[2], length) * crouch
     x, error, offset = float(hips[0][0]), 0.0, 0.0
     for _ in range(BALANCE_ROUNDS):
-        error = 0.0
-        for side, leg in enumerate(anatomy.legs):
-            y = middle + (1 - 2 * side) * half_width
-            target = pin.SE3(np.eye(3), np.array([x, y, 0.5 * (hips[0] + hips[1])[2] - drop]))
-            error = max(error, _place_sole(skeleton, leg, soles[side], target, q))
+        z = 0.5 * (hips[0] + hips[1])[2] - drop
+        targets = [
+            pin.SE3(np.eye(3), np.array([x, middle + outward * half_width, z]))
+            for outward in (1.0, -1.0)
+        ]
+        if skeleton.followers:
+            pairs = zip(*(_leg_starts(skeleton, leg, q) for leg in anatomy.legs), strict=True)
+            starts = (_with_legs(skeleton, anatomy, pair, q) for pair in pairs)
+            legs = anatomy.legs
+            found = place_coupled_soles(skeleton, legs, soles, targets, starts, q, ROOM, NEAR)
+            return Posture(q, *found)
+        error = max(
+            _place_sole(skeleton, leg, sole, target, q)
+            for leg, sole, target in zip(anatomy.legs, soles, targets, strict=True)
+        )
         offset = float(pin.centerOfMass(model, data, q)[0]) - x
         if abs(offset) < NEAR or error > 0.1:
             break
@@ -158,6 +172,16 @@ def stance_width(rest: list[pin.SE3], soles: tuple[Sole, Sole], length: float) -
     zero = float(rest[0].translation[1] - rest[1].translation[1])
     with_gap = (1.0 + LEAST_GAP) * 0.5 * (soles[0].width + soles[1].width)
     return min(zero, max(WIDEST_STANCE * length, with_gap))
+
+
+def _with_legs(
+    skeleton: Skeleton, anatomy: Anatomy, angles: tuple[Array, Array], q: Array
+) -> Array:
+    """A copy of q with other angles of both legs."""
+    full = q.copy()
+    for leg, leg_angles in zip(anatomy.legs, angles, strict=True):
+        full[_angles(skeleton, leg)] = leg_angles
+    return full
 
 
 def _place_sole(skeleton: Skeleton, leg: list[int], sole: Sole, target: pin.SE3, q: Array) -> float:

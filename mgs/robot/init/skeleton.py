@@ -12,6 +12,7 @@ import pinocchio as pin
 
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ
+from mgs.robot.coupling import Follower
 from mgs.robot.init.points import Surface, Surfaces
 from mgs.robot.init.source import Source
 from mgs.robot.limbs import joints_to
@@ -35,6 +36,12 @@ class Skeleton:
     missing: list[str]  # names of mesh files that were not found
     at_rest: Array  # (nq,)
     placements: list[pin.SE3]
+    followers: dict[int, tuple[int, Follower]]  # leader of each coupled joint, and how it follows
+
+    def complete(self, q: Array) -> None:
+        """Set the angles of coupled joints in q (nq,) by those of their leaders, in place."""
+        for joint, (leader, follower) in self.followers.items():
+            q[self.model.idx_qs[joint]] = follower.angle(float(q[self.model.idx_qs[leader]]))
 
     def points(self, body: int) -> Array:
         """Surface points (N, 3) of a body in its frame [m]; the origin if it has no shape."""
@@ -91,10 +98,16 @@ def build_skeleton(source: Source, package_paths: tuple[Path, ...]) -> Skeleton:
     joints = slice(FLOATING_BASE_NQ, None)
     lower, upper = model.lowerPositionLimit[joints], model.upperPositionLimit[joints]
     at_rest[joints] = np.clip(at_rest[joints], lower, upper)
+    followers = {
+        model.getJointId(name): (model.getJointId(follower.leader), follower)
+        for name, follower in source.coupled.items()
+    }
+    for joint, (leader, follower) in followers.items():
+        at_rest[model.idx_qs[joint]] = follower.angle(float(at_rest[model.idx_qs[leader]]))
     data = model.createData()
     pin.forwardKinematics(model, data, at_rest)
     placements = [data.oMi[joint].copy() for joint in range(model.njoints)]
-    return Skeleton(model, links, surfaces, reader.missing, at_rest, placements)
+    return Skeleton(model, links, surfaces, reader.missing, at_rest, placements, followers)
 
 
 def _without_shapes(root: ElementTree.Element) -> ElementTree.Element:

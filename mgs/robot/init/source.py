@@ -7,6 +7,7 @@ because the joints of a loop cannot be controlled independently.
 
 from __future__ import annotations
 
+import copy
 import math
 from collections import Counter
 from collections.abc import Mapping
@@ -18,6 +19,7 @@ from mgs.core.arrays import Array
 from mgs.core.errors import ConfigError
 from mgs.core.input_files import read_bytes
 from mgs.core.limits import MAX_URDF
+from mgs.robot.coupling import Follower, read_followers
 from mgs.robot.init.mjcf import Drive, read_mjcf
 from mgs.robot.urdf_bounds import parse_counted, refuse_large
 from mgs.robot.urdf_checks import PARTS, is_empty, malformed
@@ -37,8 +39,10 @@ class Source:
 
     path: Path
     root: ElementTree.Element
-    mimics: dict[str, str]  # leader of each joint that mimics another one; these joints are fixed
+    mimics: dict[str, Follower]  # joints that mimic another one; they are fixed unless in `coupled`
     leaders: set[str]  # joints that other joints mimic
+    as_given: dict[str, ElementTree.Element]  # joints of `mimics` before they were fixed
+    coupled: dict[str, Follower] = field(default_factory=dict)  # joints of the legs that follow
     notes: list[str] = field(default_factory=list)
     meshes: Mapping[str, Array] = field(default_factory=dict)  # points (N, 3) of known meshes [m]
     missing: list[str] = field(default_factory=list)  # names of mesh files that were not found
@@ -74,7 +78,13 @@ def read_source(path: Path, package_paths: tuple[Path, ...] = ()) -> Source:
     _cut_floating_base(root, path, notes)
     _cut_world(root, notes)
     leaders = {mimic.get("joint", "") for mimic in root.iter("mimic")}
-    source = Source(path, root, _mimics(root), leaders, notes=notes)
+    mimics = read_followers(root)
+    as_given = {
+        joint.get("name", ""): copy.deepcopy(joint)
+        for joint in root.findall("joint")
+        if joint.get("name") in mimics
+    }
+    source = Source(path, root, mimics, leaders, as_given, notes=notes)
     if mjcf is not None:
         source = replace(
             source,
@@ -242,15 +252,6 @@ def _end(joint: ElementTree.Element, tag: str) -> str:
     return "" if element is None else element.get("link", "")
 
 
-def _mimics(root: ElementTree.Element) -> dict[str, str]:
-    found = {}
-    for joint in root.findall("joint"):
-        mimic = joint.find("mimic")
-        if mimic is not None and joint.get("type") != "fixed":
-            found[joint.get("name", "")] = mimic.get("joint", "")
-    return found
-
-
 def _bring_into_shape(joint: ElementTree.Element, source: Source) -> None:
     """Change a joint in place into a fixed joint or a revolute joint with limits."""
     name, kind = joint.get("name", ""), joint.get("type")
@@ -264,11 +265,11 @@ def _bring_into_shape(joint: ElementTree.Element, source: Source) -> None:
         source.notes.append(f"prismatic joint {name} fixed at 0")
     elif name in source.mimics:
         mimic = joint.find("mimic")
-        offset, leader = _number(source, joint, mimic, "offset"), source.mimics[name]
+        offset, leader = _number(source, joint, mimic, "offset"), source.mimics[name].leader
         fix_joint(joint, offset)
         source.notes.append(f"joint {name}, which mimics {leader}, fixed at {offset:g} rad")
     elif kind in ("revolute", "continuous"):
-        _limit(joint, source)
+        limit_joint(joint, source)
     else:
         raise ConfigError(
             source.path,
@@ -276,7 +277,8 @@ def _bring_into_shape(joint: ElementTree.Element, source: Source) -> None:
         )
 
 
-def _limit(joint: ElementTree.Element, source: Source) -> None:
+def limit_joint(joint: ElementTree.Element, source: Source) -> None:
+    """Give a joint the limits of a revolute joint, in place; one without a range is fixed."""
     name, limit = joint.get("name", ""), joint.find("limit")
     if limit is None:
         limit = ElementTree.SubElement(joint, "limit")

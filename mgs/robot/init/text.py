@@ -78,6 +78,8 @@ def _pose(placement: pin.SE3) -> str:
 def _posture(draft: Draft) -> list[str]:
     lines = ["posture:  # guess: knees bent, soles level, CoM above them"]
     for joint in _moving(draft):
+        if joint in draft.skeleton.followers:
+            continue
         angle = float(draft.q[draft.skeleton.model.idx_qs[joint]])
         if abs(angle) > 1e-9:
             lines.append(f"  {word(draft.skeleton.name(joint))}: {angle:.9f}")
@@ -85,7 +87,7 @@ def _posture(draft: Draft) -> list[str]:
 
 
 def _servos(draft: Draft) -> list[str]:
-    moving = _moving(draft)
+    moving = [j for j in _moving(draft) if j not in draft.skeleton.followers]
     lines = ["servos:  # effort and velocity limits of the URDF; velocity taken as no-load speed"]
     names = _servo_names(draft.figures[joint] for joint in moving)
     for figures, name in names.items():

@@ -223,18 +223,31 @@ def test_physically_impossible_inertias_are_corrected(tmp_path: Path):
         assert inertia.mass > 0.0 and low > 0.0 and low + middle >= high * (1.0 - 1e-9)
 
 
+def test_a_motor_that_turns_two_joints_of_a_leg_does_so_in_the_walk(tmp_path: Path):
+    text = with_follower("left_ankle_pitch", "left_knee_pitch", 'multiplier="-1"')
+    draft = drafted(text, tmp_path)
+    assert "joint left_ankle_pitch follows left_knee_pitch: one motor turns both" in draft.notes
+    assert unsound(draft.robot) == []
+    motion = run_stages(draft.robot, load_gait("walk"), "walk").motion
+    assert [check.name for check in check_motion(motion) if not check.ok] == []
+    knee, ankle = (draft.robot.joint_names.index(f"left_{j}_pitch") for j in ("knee", "ankle"))
+    joints = motion.q[:, FLOATING_BASE_NQ:]
+    np.testing.assert_allclose(joints[:, ankle], -joints[:, knee], atol=1e-9)
+
+
 # --- refused files -------------------------------------------------------------------------------
 
 LOOP = """<joint name="rod" type="revolute"><parent link="left_knee_pitch_link"/>
   <child link="left_ankle_roll_link"/><limit lower="-1" upper="1" effort="1" velocity="1"/>
 </joint>"""
 STRAY = '<joint name="x" type="fixed"><parent link="no"/><child link="pelvis"/></joint>'
-FOLLOWER = '<mimic joint="left_hip_pitch"/></joint>'
 
 
-def with_following_knee() -> str:
-    head, joint, tail = Biped().urdf().partition('<joint name="left_knee_pitch"')
-    return head + joint + tail.replace("</joint>", FOLLOWER, 1)
+def with_follower(name: str, leader: str, values: str = "") -> str:
+    """A biped in which a joint mimics another one."""
+    head, joint, tail = Biped().urdf().partition(f'<joint name="{name}"')
+    mimic = f'<mimic joint="{leader}" {values}/></joint>'
+    return head + joint + tail.replace("</joint>", mimic, 1)
 
 
 REFUSED = {
@@ -244,7 +257,10 @@ REFUSED = {
         Biped(extra=[f"<gazebo>{LOOP}</gazebo>"]),
         "closed loop: link left_ankle_roll_link",
     ),
-    "coupled legs": (with_following_knee(), "left_knee_pitch mimics left_hip_pitch"),
+    "a leg that follows an arm": (
+        with_follower("left_knee_pitch", "left_shoulder_pitch"),
+        "leg joint left_knee_pitch mimics left_shoulder_pitch, which is no joint of the legs",
+    ),
     "three joints a leg": (
         Biped(leg=("hip_roll", "hip_pitch", "knee_pitch")),
         "a leg has 3 joints .* at least 5",

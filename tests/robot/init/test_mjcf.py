@@ -141,6 +141,30 @@ def test_included_files_count(tmp_path: Path):
     assert init_robot(path).urdf == drafted(whole, tmp_path / "whole").urdf
 
 
+def test_joints_that_a_constraint_couples_turn_together(tmp_path: Path):
+    """With the references of both joints, as MuJoCo's own constraint says."""
+    equality = '<joint joint1="right_hip_pitch" joint2="left_hip_pitch" polycoef="0 1 0 0 0"/>'
+    path = saved(mjcf(equality=equality), tmp_path)
+    robot = init_robot(path).robot
+    assert set(robot.followers) == {"right_hip_pitch"}
+    model = compiled(path)
+    data = mujoco.MjData(model)
+    q = robot.posture + 0.1
+    assert robot.coupling is not None
+    robot.coupling.complete(q)
+    for name, angle in zip(robot.joint_names, q, strict=True):
+        data.qpos[model.joint(name).qposadr[0]] = angle
+    mujoco.mj_forward(model, data)
+    rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
+    assert rows.sum() == 1
+    assert np.abs(data.efc_pos[rows]).max() < 1e-12  # [rad], of MuJoCo's constraint
+
+
+def test_a_constraint_that_is_not_active_couples_nothing(tmp_path: Path):
+    equality = '<joint joint1="right_knee" joint2="left_knee" active="false"/>'
+    assert not drafted(mjcf(equality=equality), tmp_path).robot.followers
+
+
 # --- refused, with the reason ---------------------------------------------------------------------
 
 BALL = (
@@ -160,6 +184,10 @@ REFUSED = {
     "a closed loop": (
         mjcf(equality='<connect body1="left_foot" body2="right_foot" anchor="0 0 0"/>'),
         "closed loop: the bodies left_foot and right_foot",
+    ),
+    "a coupling that is not linear": (
+        mjcf(equality='<joint joint1="left_knee" joint2="left_hip_yaw" polycoef="0 1 2 0 0"/>'),
+        "joint left_knee follows joint left_hip_yaw by a polynomial of higher order",
     ),
     "copies": (
         mjcf(worldbody='<replicate count="9"><geom size="1"/></replicate>'),
