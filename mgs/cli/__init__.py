@@ -41,6 +41,9 @@ COMMANDS = {
         "mgs.cli.export", "Write a motion for another program: trainer, servos, spreadsheet."
     ),
     "play": LazyCommand("mgs.cli.play", "Stream a motion to Dynamixel servos."),
+    "compare": LazyCommand(
+        "mgs.cli.compare", "Compare a motion with a log of the robot that executed it."
+    ),
     "batch": LazyCommand("mgs.cli.batch", "Make a gait library: many variations of one gait."),
     "library": LazyCommand("mgs.cli.library", "Query, export and summarize a gait library."),
     "robot": LazyCommand("mgs.cli.robot", "List, show, check and create robot descriptions."),

@@ -2,13 +2,14 @@
 
 A CSV log has a head line with the names of its columns: `time` [s], a column for each joint with
 its angle [rad], named `position.JOINT` or `JOINT`, and, if known, what the joint was told,
-`command.JOINT`, and the torque that acted, `effort.JOINT` [N m]. A cell is empty where nothing was
-read. The clock may start anywhere; lines may be at any times.
+`command.JOINT`. A cell is empty where nothing was read. The clock may start anywhere, unless the
+column is named `motion_time`: then it is 0 when the first goal was sent. Lines may be at any times.
 """
 
 from __future__ import annotations
 
 import csv
+import dataclasses
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,8 +25,9 @@ from mgs.core.limits import MAX_LOG
 from mgs.core.short_repr import short_repr
 from mgs.core.short_text import shown
 
-TIME_NAMES = ("time", "t", "timestamp", "time_s")
-KINDS = ("position", "command", "effort")
+MOTION_TIME = "motion_time"  # of a log whose clock is that of the motion
+TIME_NAMES = (MOTION_TIME, "time", "t", "timestamp", "time_s")
+KINDS = ("position", "command")
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +39,7 @@ class JointLog:
     times: Array  # (M,) [s], on a clock of its own
     position: Array  # (M, j) [rad]
     command: Array | None  # (M, j) what joints were told [rad]
-    effort: Array | None  # (M, j) torques [N m]
+    is_motion_time: bool = False  # whether the clock is 0 when the first goal was sent
 
     __repr__ = short_repr
 
@@ -56,7 +58,7 @@ def write_joint_log(
     Args:
         path: the file.
         names: of the joints.
-        times: (M,) [s].
+        times: (M,), 0 when the first goal was sent [s].
         position: angles (M, n) [rad]; NaN leaves a cell empty.
         command: what the joints were told (M, n) [rad]; None: not known.
         force: replace an existing file.
@@ -69,7 +71,7 @@ def write_joint_log(
     parts = {"position": position} | ({} if command is None else {"command": command})
     text = io.StringIO(newline="")
     writer = csv.writer(text)
-    writer.writerow(["time", *(f"{kind}.{name}" for kind in parts for name in names)])
+    writer.writerow([MOTION_TIME, *(f"{kind}.{name}" for kind in parts for name in names)])
     for time, row in zip(times.tolist(), np.hstack(list(parts.values())).tolist(), strict=True):
         writer.writerow([round(time, 6), *("" if np.isnan(value) else value for value in row)])
     replace_file(path, text.getvalue().encode())
@@ -101,7 +103,8 @@ def read_csv_log(path: Path) -> JointLog:
         if i != time:
             of, joint = (kind, joint) if dot and kind in KINDS else ("position", name)
             columns[of].setdefault(joint, table[:, i])
-    return joint_log(str(path), table[:, time], columns)
+    log = joint_log(str(path), table[:, time], columns)
+    return dataclasses.replace(log, is_motion_time=head[time] == MOTION_TIME)
 
 
 def joint_log(source: str, times: Array, columns: dict[str, dict[str, Array]]) -> JointLog:
@@ -131,7 +134,7 @@ def joint_log(source: str, times: Array, columns: dict[str, dict[str, Array]]) -
 
     position = stacked("position")
     assert position is not None
-    return JointLog(source, names, times[order], position, stacked("command"), stacked("effort"))
+    return JointLog(source, names, times[order], position, stacked("command"))
 
 
 def _numbers(path: Path, head: list[str], rows: csv.reader) -> Array:  # type: ignore[valid-type]

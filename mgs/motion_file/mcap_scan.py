@@ -117,13 +117,13 @@ class Scan:
         )
 
 
-def contents_by_scan(file: RecordFile, required_metadata: str) -> Contents:
+def contents_by_scan(file: RecordFile, required_metadata: str | None) -> Contents:
     """Contents of a file that may lack summary, index, statistics and checksums.
 
     Args:
         file: the file.
         required_metadata: name of a metadata record without which no chunk is unpacked, so that a
-            large recording of something else is refused at once.
+            large recording of something else is refused at once; None: none is required.
 
     Raises:
         UnreadableFileError: the file is damaged, or has no such metadata record.
@@ -131,7 +131,7 @@ def contents_by_scan(file: RecordFile, required_metadata: str) -> Contents:
     scan = Scan(file)
     for opcode, offset, end, head in _records(file):
         scan.add_record(opcode, offset, end, head)
-    if required_metadata not in scan.metadata:
+    if required_metadata is not None and required_metadata not in scan.metadata:
         raise UnreadableFileError(NOT_OURS)
     places = [Place(frozenset(run.channels), partial(_load_run, file, run)) for run in scan.runs]
     places += [scan.add_chunk(offset) for offset in scan.chunks]

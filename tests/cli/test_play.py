@@ -95,7 +95,7 @@ def test_the_servos_receive_the_plan_and_the_log_shows_it(
     for row in rows:
         for name in motion.robot.joint_names:
             if cell := row[f"position.{name}"]:
-                last[name] = (float(row["time"]), float(cell))
+                last[name] = (float(row["motion_time"]), float(cell))
     for i, name in enumerate(motion.robot.joint_names):
         t, angle = last[name]
         assert t == pytest.approx(motion.duration, abs=0.5)
