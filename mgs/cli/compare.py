@@ -91,6 +91,8 @@ def compare(
     from mgs.motion_file.joint_log_ros import read_joint_log
     from mgs.robot.unit import load_unit, write_unit
 
+    if not 1 <= len(name) <= 100:
+        raise ConfigError("--name", "give the physical robot a name of 1 to 100 characters")
     if plot is not None and plot.suffix not in (".png", ".svg"):
         raise ConfigError("--plot", f"{plot}: the name should end in .png or .svg")
     for path in (output, plot):

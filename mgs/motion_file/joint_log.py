@@ -11,7 +11,7 @@ from __future__ import annotations
 import csv
 import dataclasses
 import io
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -83,13 +83,8 @@ def read_csv_log(path: Path) -> JointLog:
     Raises:
         ConfigError: the file is missing, too large or no such log.
     """
-    text = read_text(path, MAX_LOG, "a log")
-    rows = csv.reader(io.StringIO(text, newline=""))
-    try:
-        head = [name.strip() for name in next(rows, [])]
-        table = _numbers(path, head, rows)
-    except csv.Error as error:
-        raise ConfigError(path, f"line {rows.line_num}: {error}") from error
+    rows = _rows(path, read_text(path, MAX_LOG, "a log"))
+    head = [name.strip() for name in next(rows, (1, []))[1]]
     time = next((i for i, name in enumerate(head) if name.lower() in TIME_NAMES), None)
     if time is None:
         raise ConfigError(
@@ -97,12 +92,15 @@ def read_csv_log(path: Path) -> JointLog:
             "the head line names no column for the time; name it time [s], and the columns of the "
             "joints position.JOINT [rad]",
         )
+    table = _numbers(path, head, rows)
     columns: dict[str, dict[str, Array]] = {kind: {} for kind in KINDS}
     for i, name in enumerate(head):
         kind, dot, joint = name.partition(".")
         if i != time:
             of, joint = (kind, joint) if dot and kind in KINDS else ("position", name)
-            columns[of].setdefault(joint, table[:, i])
+            if joint in columns[of]:
+                raise ConfigError(path, f"has the {of} of {joint} in two columns")
+            columns[of][joint] = table[:, i]
     log = joint_log(str(path), table[:, time], columns)
     return dataclasses.replace(log, is_motion_time=head[time] == MOTION_TIME)
 
@@ -137,13 +135,21 @@ def joint_log(source: str, times: Array, columns: dict[str, dict[str, Array]]) -
     return JointLog(source, names, times[order], position, stacked("command"))
 
 
-def _numbers(path: Path, head: list[str], rows: csv.reader) -> Array:  # type: ignore[valid-type]
+def _rows(path: Path, text: str) -> Iterator[tuple[int, list[str]]]:
+    """Number and cells of each line that is not empty."""
+    rows = csv.reader(io.StringIO(text, newline=""))
+    try:
+        for row in rows:
+            if row:
+                yield rows.line_num, row
+    except csv.Error as error:
+        raise ConfigError(path, f"line {rows.line_num}: {error}") from error
+
+
+def _numbers(path: Path, head: list[str], rows: Iterator[tuple[int, list[str]]]) -> Array:
     """Values (M, columns) of the lines behind the head."""
     values: list[list[float]] = []
-    for row in rows:  # type: ignore[attr-defined]
-        if not row:
-            continue
-        line = len(values) + 2
+    for line, row in rows:
         if len(row) != len(head):
             raise ConfigError(path, f"line {line} has {len(row)} cells, the head line {len(head)}")
         try:

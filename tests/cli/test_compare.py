@@ -1,0 +1,94 @@
+"""The command mgs compare."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mgs.motion.goals import goals_along
+from mgs.motion_file import read_motion
+from mgs.motion_file.joint_log import write_joint_log
+from mgs.robot.unit import load_unit
+from tests.support.commands import run
+
+OFFSET, DELAY = 0.03, 0.05  # [rad], [s]
+
+
+@pytest.fixture(scope="module")
+def squat(tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("compare") / "squat.mcap"
+    assert run("generate", "melson/squat", "-o", path).exit_code == 0
+    return path
+
+
+def log_of(squat: Path, folder: Path, degrees: bool = False) -> Path:
+    """All joints follow their goals, late and with a zero that is off."""
+    motion = read_motion(squat)
+    times = np.arange(0.0, motion.duration, 0.0125)
+    told = goals_along(motion).position
+    late = [np.interp(times - DELAY, motion.times, column) + OFFSET for column in told.T]
+    position = np.stack(late, axis=1)
+    path = folder / "log.csv"
+    names = motion.robot.joint_names
+    write_joint_log(path, names, times, np.degrees(position) if degrees else position)
+    return path
+
+
+def test_figures_are_printed_and_written(tmp_path, squat):
+    log, unit, plot = log_of(squat, tmp_path), tmp_path / "unit.yaml", tmp_path / "errors.png"
+    common = ("compare", squat, log, "-o", unit, "--name", "no 7", "--plot", plot)
+    result = run(*common)
+    assert result.exit_code == 0, result.stderr
+    assert "the motion begins at 0.000 s of the log" in result.stdout
+    assert "left_knee_pitch" in result.stdout
+    assert plot.read_bytes().startswith(b"\x89PNG")
+    read = load_unit(unit, read_motion(squat).robot)
+    assert read.name == "no 7"
+    knee = read_motion(squat).robot.joint_names.index("left_knee_pitch")
+    assert read.zero_offset[knee] == pytest.approx(OFFSET, abs=0.005)
+    again = run(*common)
+    assert (again.exit_code, "exists; use --force" in again.stderr) == (1, True)
+    found = json.loads(run(*common, "--force", "--json").stdout)
+    assert found["delays_are_relative"] is False
+    joints = {joint["joint"]: joint for joint in found["joints"]}
+    assert joints["left_knee_pitch"]["delay"] == pytest.approx(DELAY, abs=0.01)
+    assert found["rms_after_deg"] < 0.3 * found["rms_before_deg"]
+
+
+def test_degrees_are_found_out_and_converted(tmp_path, squat):
+    log = log_of(squat, tmp_path, degrees=True)
+    text = log.read_text().replace("motion_time", "time")
+    log.write_text(text)
+    refused = run("compare", squat, log)
+    assert (refused.exit_code, "add --degrees" in refused.stderr) == (1, True)
+    found = json.loads(run("compare", squat, log, "--degrees", "--json").stdout)
+    assert found["start_found"]["agreement"] > 0.95
+
+
+def test_a_replay_in_physics_is_a_log(tmp_path, squat):
+    record = tmp_path / "replay.mcap"
+    replayed = run("replay", squat, "--servo", "model", "--engine", "mujoco", "--record", record)
+    assert replayed.exit_code == 0
+    result = run("compare", squat, record, "--json")
+    assert result.exit_code == 0, result.stderr
+    found = json.loads(result.stdout)
+    assert found["start"] == pytest.approx(1.0, abs=0.1)  # stamps begin at 1 s
+    assert found["start_found"]["agreement"] > 0.95
+
+
+def test_bad_input_is_refused(tmp_path, squat):
+    log = log_of(squat, tmp_path)
+    poor = tmp_path / "poor.csv"
+    poor.write_text("time,left_knee_pitch\n0,0.1\n1,x\n")
+    for options, code, words in [
+        ((poor,), 2, "line 3, column left_knee_pitch"),
+        ((tmp_path,), 2, "holds no MCAP or SQLite file"),
+        ((log, "--plot", tmp_path / "a.jpg"), 2, "should end in .png or .svg"),
+        ((log, "--unit", poor), 2, "poor.csv"),
+        ((log, "--name", "", "-o", tmp_path / "u.yaml"), 2, "--name"),
+    ]:
+        result = run("compare", squat, *options)
+        assert (result.exit_code, words in result.stderr) == (code, True), result.stderr
