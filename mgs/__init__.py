@@ -28,11 +28,13 @@ if TYPE_CHECKING:
     from mgs.core.errors import CycleError as CycleError
     from mgs.core.errors import DivergenceError as DivergenceError
     from mgs.core.errors import FootstepError as FootstepError
+    from mgs.core.errors import HardwareError as HardwareError
     from mgs.core.errors import IkError as IkError
     from mgs.core.errors import InfeasibleGaitError as InfeasibleGaitError
     from mgs.core.errors import InputError as InputError
     from mgs.core.errors import JointLimitError as JointLimitError
     from mgs.core.errors import JointSpeedError as JointSpeedError
+    from mgs.core.errors import LogError as LogError
     from mgs.core.errors import MgsError as MgsError
     from mgs.core.errors import MotionFileError as MotionFileError
     from mgs.core.errors import OutputExistsError as OutputExistsError
@@ -66,12 +68,14 @@ _HOMES = {
     "CycleError": "mgs.core.errors.CycleError",
     "DivergenceError": "mgs.core.errors.DivergenceError",
     "FootstepError": "mgs.core.errors.FootstepError",
+    "HardwareError": "mgs.core.errors.HardwareError",
     "Gait": "mgs.gait.Gait",
     "IkError": "mgs.core.errors.IkError",
     "InfeasibleGaitError": "mgs.core.errors.InfeasibleGaitError",
     "InputError": "mgs.core.errors.InputError",
     "JointLimitError": "mgs.core.errors.JointLimitError",
     "JointSpeedError": "mgs.core.errors.JointSpeedError",
+    "LogError": "mgs.core.errors.LogError",
     "MgsError": "mgs.core.errors.MgsError",
     "Motion": "mgs.motion.Motion",
     "MotionFileError": "mgs.core.errors.MotionFileError",

@@ -43,6 +43,8 @@ OWNERS = {
     "torch": {"motion_file"},
     "pickle": {"judge", "motion_file"},
     "optuna": {"search"},
+    "dynamixel_sdk": {"robot"},
+    "rosbags": {"motion_file"},
 }
 HEAVY = ["control", "matplotlib", "mujoco", "pybullet", "pinocchio", "scipy", "mcap", "distributed"]
 FILES = sorted(PACKAGE.rglob("*.py"))

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
 import mgs
 from mgs.core.errors import ConfigError
-from mgs.motion.goals import at_rate, goals_along
+from mgs.motion.goals import goals_along
 from mgs.motion.servo_commands import servo_commands
 from mgs.robot.servos import servos_of
 from mgs.robot.unit import JointCorrection, UnitSpec, unit_of
@@ -32,8 +34,6 @@ def test_servos_without_stiffness_are_told_the_plan_and_commands_are_refused():
     spec = sway.robot.spec
     update = {"compliance_slope": None, "stiffness": None}
     servos = {name: servo.model_copy(update=update) for name, servo in spec.servos.items()}
-    import dataclasses
-
     robot = dataclasses.replace(sway.robot, spec=spec.model_copy(update={"servos": servos}))
     motion = dataclasses.replace(sway, robot=robot)
     assert goals_along(motion).kind == "planned"
@@ -49,7 +49,6 @@ def test_any_rate_follows_the_clamped_cubic_spline_and_keeps_both_ends(squat, ra
     np.testing.assert_allclose(goals.position, expected, atol=1e-9)
     np.testing.assert_allclose(goals.position[[0, -1]], squat.q[[0, -1], 7:], atol=1e-12)
     assert 0.0 <= goals.times[-1] - squat.duration < 1.0 / rate
-    np.testing.assert_array_equal(at_rate(np.ones((1, 2)), 0.01, rate), [[1.0, 1.0]])
 
 
 def test_the_law_of_the_physical_robot_brings_commanded_joints_to_the_plan(squat):
