@@ -105,7 +105,8 @@ def test_the_equality_of_coupled_joints_holds_in_the_file(motion: Motion, tmp_pa
     left, right = (read.robot.joint_names.index(f"{s}HipYawPitch") for s in "LR")
     joints = read.q[:, FLOATING_BASE_NQ:]
     assert np.abs(joints[:, left] - joints[:, right]).max() < 1e-9  # [rad]
-    assert np.ptp(joints[:, left]) > 1e-5  # and they do turn
+    if motion.footsteps[-1].yaw or motion.gait_name.endswith("kick"):
+        assert np.ptp(joints[:, left]) > 1e-4  # and they do turn
     assert read.robot.n == joints.shape[1] == 22
     assert not read.torque[:, right].any()
     told = json.loads(read_info(tmp_path / "motion.mcap")["metadata"]["followers"])
