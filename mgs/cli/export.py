@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mgs.cli.common import force_option, json_option, motion_argument, print_json, say
+from mgs.cli.common import FiniteRange, force_option, json_option, motion_argument, print_json, say
 from mgs.cli.export_options import Choice, export_options
 from mgs.motion_file.formats import FORMATS
 
@@ -48,6 +48,16 @@ def _print_layout(ctx: click.Context, _: click.Parameter, name: str | None) -> N
     expose_value=False, callback=_print_layout,
     help="Print the description of a format and exit.",
 )  # fmt: skip
+@click.option(
+    "--lead-in", metavar="S", type=FiniteRange(0.1, 60.0),
+    help="Duration of a way from the posture of --lead-in-from to the first frame, written before "
+    "it [s]. Default: none.",
+)  # fmt: skip
+@click.option(
+    "--lead-in-from", metavar="POSTURE", default="half-sitting", show_default=True,
+    help="Posture at the beginning of --lead-in: half-sitting, zero, or a YAML file with angles by "
+    "name of the joint [rad].",
+)  # fmt: skip
 @force_option
 @json_option
 def export(
@@ -56,6 +66,8 @@ def export(
     output: Path | None,
     choice: Choice,
     as_cycle: bool,
+    lead_in: float | None,
+    lead_in_from: str,
     force: bool,
     as_json: bool,
 ) -> None:
@@ -71,12 +83,14 @@ def export(
       mgs export walk.mcap --format npz -o walk.npz
       mgs export walk.mcap --cycle -o cycle.csv
       mgs export walk.mcap --format unitree-csv --fps 50
+      mgs export walk.mcap --format jtc --lead-in 3
       mgs export walk.mcap --format dynamixel --motors motors.yaml --unit number_7.yaml
     """  # noqa: D301
     from mgs.core.atomic_files import refuse_place
     from mgs.motion.cycle import find_cycle
     from mgs.motion_file import read_motion
-    from mgs.motion_file.export import export_motion
+    from mgs.motion_file.export import LeadIn, export_motion
+    from mgs.robot.start_posture import start_posture
     from mgs.robot.unit import load_unit
 
     suffix = FORMATS[fmt].suffix
@@ -94,6 +108,9 @@ def export(
         options=options,
         unit=None if choice.unit is None else load_unit(choice.unit, motion.robot),
         feed_forward=choice.feed_forward,
+        lead_in=None
+        if lead_in is None
+        else LeadIn(lead_in, start_posture(motion.robot, lead_in_from)),
         force=force,
     )
     if as_json:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from mgs.core.arrays import Array
 from mgs.core.atomic_files import refuse_place, replacing_path
 from mgs.core.errors import ConfigError, MgsError
 from mgs.core.foreign import told_as
@@ -16,12 +17,24 @@ from mgs.core.wrong_type import given_path
 from mgs.motion import Motion
 from mgs.motion.commanded import commanded
 from mgs.motion.cycle import Cycle, find_cycle
+from mgs.motion.lead_in import with_lead_in
 from mgs.motion.sampled import SampledMotion, sample
 from mgs.motion_file.formats import FORMATS, Format, Options, Written, find_format
 from mgs.motion_file.read import read_motion
 from mgs.robot import read_motors, servos_of
 from mgs.robot.orders import Order
+from mgs.robot.start_posture import HALF_SITTING, start_posture
 from mgs.robot.unit import Unit, load_unit, servos_of_unit
+
+
+@dataclass(frozen=True, eq=False)
+class LeadIn:
+    """A way to the first frame of a motion."""
+
+    seconds: float  # duration [s]
+    start: Array  # joint angles (n,) at its beginning [rad]
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +59,7 @@ def export_motion(
     options: Options | None = None,
     unit: Unit | None = None,
     feed_forward: bool = False,
+    lead_in: LeadIn | None = None,
     force: bool = False,
 ) -> Exported:
     """Write a motion, or one cycle of it.
@@ -61,10 +75,11 @@ def export_motion(
         unit: corrections of one physical robot, for which joint angles become commands; None: none.
         feed_forward: write commands that compensate the yielding of the servos of robot.yaml, with
             the stiffness of the unit where it states one.
+        lead_in: way to the first frame, which is written before it; None: none.
         force: replace an existing file, or a folder in which nothing else is.
 
     Raises:
-        ConfigError: no such format or joint, or the rate does not fit.
+        ConfigError: no such format or joint, the rate does not fit, or the lead-in is too short.
         OutputExistsError: there is a file and `force` is not set.
         MgsError: the file cannot be written, or a library that the format needs is not installed.
     """
@@ -78,7 +93,11 @@ def export_motion(
     options = options or Options()
     remarks = (*options.remarks, *_remarks(unit, feed_forward))
     options = dataclasses.replace(options, remarks=remarks)
-    return write_sampled(commanded(sampled, unit, servos), path, chosen, options, force=force)
+    frames = commanded(sampled, unit, servos)
+    if lead_in is not None:
+        commands = None if unit is None else unit.command_for(lead_in.start)
+        frames = with_lead_in(frames, lead_in.seconds, lead_in.start, commands)
+    return write_sampled(frames, path, chosen, options, force=force)
 
 
 def _remarks(unit: Unit | None, feed_forward: bool) -> tuple[str, ...]:
@@ -134,6 +153,8 @@ def export(
     motors: str | Path | None = None,
     unit: str | Path | None = None,
     feed_forward: bool = False,
+    lead_in: float | None = None,
+    lead_in_from: str | Path = HALF_SITTING,
     force: bool = False,
 ) -> Path:
     """Write a motion for other programs.
@@ -151,6 +172,9 @@ def export(
         motors: file of the motors on the bus; None: those of robot.yaml.
         unit: file with the corrections of one physical robot; None: none.
         feed_forward: write commands that compensate the yielding of the servos of robot.yaml.
+        lead_in: duration of a way to the first frame, written before it [s]; None: none.
+        lead_in_from: posture at its beginning: "half-sitting", "zero" or a file, see
+            `mgs.robot.start_posture`.
         force: replace an existing file.
 
     Returns:
@@ -188,6 +212,9 @@ def export(
         options=options,
         unit=None if unit is None else load_unit(Path(unit), given.robot),
         feed_forward=feed_forward,
+        lead_in=None
+        if lead_in is None
+        else LeadIn(lead_in, start_posture(given.robot, str(lead_in_from))),
         force=force,
     )
     return path

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
+from mgs.core.errors import ConfigError
 from mgs.core.yaml_text import dump_yaml
 from mgs.motion import Motion
 from mgs.motion.sampled import SampledMotion
@@ -37,6 +38,10 @@ CORRECTED = "/joint_commands/corrected"
 def write(sampled: SampledMotion, path: Path, options: Options) -> Written:
     """Write the motion file and its metadata."""
     refuse_cycle(sampled, "rosbag2", "a bag is played once")
+    if sampled.times[-1] > sampled.motion.duration + sampled.interval:
+        raise ConfigError(
+            "lead_in", "a bag has the topics of the plan alone; use jtc, or no lead-in"
+        )
     motion = resampled_motion(sampled.plan or sampled)
     added = [] if sampled.plan is None else [_corrected(sampled, motion)]
     write_motion(motion, path / FILE, added=added)
