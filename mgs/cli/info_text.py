@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
+
+from mgs.cli.verdict_text import line
+from mgs.judge.motion_checks import Check
 
 BLOCKS = {"ik": "faraji", "prioritized": "prioritized", "trajectory": "trajectory"}
 HIDDEN = (
@@ -18,8 +21,13 @@ HIDDEN = (
 )
 
 
-def info_lines(content: Mapping[str, Any]) -> Iterator[str]:
-    """Lines on the content of a file as `mgs.motion_file.read_info` gives it."""
+def info_lines(content: Mapping[str, Any], checks: Sequence[Check] | None = None) -> Iterator[str]:
+    """Lines on the content of a file.
+
+    Args:
+        content: as `mgs.motion_file.read_info` gives it.
+        checks: the static checks of the motion; None: they were not asked for.
+    """
     known = content["metadata"]
     made = known.get("solver")
     made = made if isinstance(made, Mapping) else {}
@@ -44,7 +52,18 @@ def info_lines(content: Mapping[str, Any]) -> Iterator[str]:
     yield "attachments:"
     for entry in content["attachments"]:
         yield "  " + ", ".join(str(part) for part in entry.values())
-    yield "all details: --json; verdict: mgs validate"
+    yield from _verdict(checks)
+    yield "all details: --json"
+
+
+def _verdict(checks: Sequence[Check] | None) -> Iterator[str]:
+    if checks is None:
+        yield "verdict: not in the file; --check makes the static checks, mgs validate all of them"
+        return
+    failed = [check for check in checks if not check.ok]
+    yield f"verdict: {'FAILS' if failed else 'passes'} the static checks; physics: mgs validate"
+    for check in failed:
+        yield f"  {line(check)}"
 
 
 def _making(made: Mapping[str, Any]) -> Iterator[str]:

@@ -19,29 +19,40 @@ from mgs.cli.common import (
 
 @click.command()
 @motion_argument
+@click.option(
+    "--check", is_flag=True,
+    help="Judge the motion by the static checks, too, which takes about a second.",
+)  # fmt: skip
 @json_option
-def info(file: Path, as_json: bool) -> None:
+def info(file: Path, check: bool, as_json: bool) -> None:
     """Print the contents and the origin of a motion file.
 
     Prints robot, gait, duration, solver with the settings that it uses, topics and attachments of
     FILE.mcap, and the physics engines that are installed or missing here; with --json everything
-    that is known of its making. Writes no file.
+    that is known of its making. A motion file holds no verdict: --check judges the motion by its
+    static checks, mgs validate also in physics. Writes no file.
 
     \b
-    Example:
+    Examples:
       mgs info walk.mcap
+      mgs info walk.mcap --check
     """  # noqa: D301
     from mgs.cli.info_text import info_lines
     from mgs.core.engines import engine_versions, missing_engines
-    from mgs.motion_file import read_info
+    from mgs.judge.motion_checks import check_motion
+    from mgs.motion_file import read_info, read_motion
 
     content = read_info(file)
+    checks = check_motion(read_motion(file)) if check else None
     engines, missing = engine_versions(), missing_engines()
     if as_json:
         absent = [engine.to_dict() for engine in missing]
-        print_json({**content, "engines": engines, "engines_missing": absent})
+        told = {**content, "engines": engines, "engines_missing": absent}
+        if checks is not None:
+            told["static_checks"] = [entry.to_dict() for entry in checks]
+        print_json(told)
         return
-    for text in info_lines(content):
+    for text in info_lines(content, checks):
         say(click.format_filename(text))
     told = ", ".join(f"{name} {version}" for name, version in engines.items())
     say(f"engines: {told or 'none'}")
@@ -82,7 +93,8 @@ def plot(
     """Plot footsteps, zero-moment point (ZMP), centre of mass and joints of a motion.
 
     Reads FILE.mcap and writes several pictures; joint positions, speeds and torques are shown with
-    their limits. With --strip or --animate it writes one picture, or one moving picture, instead.
+    their limits, and every title has the result of the static checks. With --strip or --animate it
+    writes one picture, or one moving picture, instead.
 
     \b
     Examples:
@@ -116,12 +128,11 @@ def _single_pictures(
     """Write the pictures that are asked for by name."""
     from mgs.core.atomic_files import refuse_taken
     from mgs.core.errors import ConfigError
-    from mgs.judge.motion_checks import check_motion
     from mgs.motion_file import read_motion
     from mgs.report import write_picture
     from mgs.report.animation import animate as write_animation
     from mgs.report.animation import check_output
-    from mgs.report.picture import title_line
+    from mgs.report.title import static_verdict, title_line
 
     if strip is not None:
         if strip.suffix != ".png":
@@ -131,9 +142,7 @@ def _single_pictures(
         check_output(animate, force)
     motion, paths = read_motion(file), []
     if strip is not None:
-        failed = [check.name for check in check_motion(motion) if not check.ok]
-        verdict = f"fails {', '.join(failed)}" if failed else "static checks pass"
-        paths.append(write_picture(motion, strip, force=force, verdict=verdict))
+        paths.append(write_picture(motion, strip, force=force, verdict=static_verdict(motion)))
     if animate is not None:
         path, title = animate, title_line(motion)
         with_progress(

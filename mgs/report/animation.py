@@ -1,7 +1,12 @@
-"""Moving pictures of a robot: GIF by Pillow, or MP4 by the program ffmpeg."""
+"""Moving pictures of a robot: GIF by Pillow, or MP4 by the program ffmpeg.
+
+The program is the one on the path, or else the one in the package imageio-ffmpeg.
+"""
 
 from __future__ import annotations
 
+import contextlib
+import importlib.util
 import io
 import shutil
 import subprocess
@@ -76,8 +81,11 @@ def check_output(output: Path, force: bool) -> float:
     """Frames per second of a file that can be written; see `animate` for the errors."""
     if output.suffix not in FORMATS:
         raise ConfigError(output, f"the name of a moving picture ends in {' or '.join(FORMATS)}")
-    if output.suffix == ".mp4" and shutil.which("ffmpeg") is None:
-        raise MgsError(f"{output}: ffmpeg, which makes MP4 files, is not installed; write a .gif")
+    if output.suffix == ".mp4" and _ffmpeg() is None:
+        raise MgsError(
+            f"{output}: ffmpeg, which makes MP4 files, is not installed; write a .gif, or install "
+            "ffmpeg, or the package imageio-ffmpeg by pip install 'mgs[mp4]'"
+        )
     refuse_taken(output, force)
     return RATE[output.suffix]
 
@@ -152,11 +160,24 @@ def _gif(frames: Iterator[Image.Image], rate: float) -> bytes:
     return stream.getvalue()
 
 
+def _ffmpeg() -> str | None:
+    """Path of the program ffmpeg; None where there is none."""
+    found = shutil.which("ffmpeg")
+    if found is None and importlib.util.find_spec("imageio_ffmpeg") is not None:
+        import imageio_ffmpeg
+
+        with contextlib.suppress(RuntimeError):  # a package without a program for this machine
+            found = str(imageio_ffmpeg.get_ffmpeg_exe())
+    return found
+
+
 def _mp4(frames: Iterator[Image.Image], rate: float, output: Path) -> None:
     output.parent.mkdir(parents=True, exist_ok=True)
+    program = _ffmpeg()
+    assert program is not None  # check_output has looked
     part = part_of(output)
     command = [
-        "ffmpeg", "-loglevel", "error", "-y", "-f", "image2pipe", "-framerate", f"{rate:g}",
+        program, "-loglevel", "error", "-y", "-f", "image2pipe", "-framerate", f"{rate:g}",
         "-i", "-", "-pix_fmt", "yuv420p", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-f", "mp4",
         str(part),
     ]  # fmt: skip

@@ -14,7 +14,7 @@ from mgs.core.wrong_type import wrong_type
 from mgs.motion import Motion
 from mgs.motion_file import read_motion
 from mgs.report.canvas import Format, render, save_figures
-from mgs.report.motion_plots import MOTION_PLOTS
+from mgs.report.motion_plots import MOTION_PLOTS, draw_plots
 
 
 class Figures(dict[str, Figure]):
@@ -58,5 +58,4 @@ def plot(motion: Motion | str | Path, names: str | Iterable[str] | None = None) 
     for name in asked:
         if name not in MOTION_PLOTS:
             raise ConfigError("names", f"{name!r} is not a plot; use {known}")
-    given = read_motion(motion)
-    return Figures({name: MOTION_PLOTS[name](given) for name in asked})
+    return Figures(draw_plots(read_motion(motion), asked))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -13,6 +13,7 @@ from mgs.report.balance import plot_balance
 from mgs.report.canvas import Format, figure_paths, save_figures
 from mgs.report.ground import plot_above
 from mgs.report.joints import plot_positions, plot_torques, plot_velocities
+from mgs.report.title import add_title, static_verdict, title_line
 
 MOTION_PLOTS: dict[str, Callable[[Motion], Figure]] = {
     "above": plot_above,
@@ -21,6 +22,18 @@ MOTION_PLOTS: dict[str, Callable[[Motion], Figure]] = {
     "joint_velocities": plot_velocities,
     "joint_torques": plot_torques,
 }
+
+
+def draw_plots(motion: Motion, names: Iterable[str]) -> Iterator[tuple[str, Figure]]:
+    """Draw plots one after the other, each with gait, robot and static verdict above it.
+
+    Args:
+        motion: motion to plot.
+        names: keys of `MOTION_PLOTS`.
+    """
+    title = title_line(motion, static_verdict(motion))
+    for name in names:
+        yield name, add_title(MOTION_PLOTS[name](motion), title)
 
 
 def plot_motion(
@@ -49,8 +62,8 @@ def plot_motion(
     """
     figure_paths(folder, MOTION_PLOTS, fmt, force=force)
     paths = []
-    for name, plot in MOTION_PLOTS.items():
-        paths += save_figures({name: plot(motion)}, folder, fmt, force=force)
+    for name, figure in draw_plots(motion, MOTION_PLOTS):
+        paths += save_figures({name: figure}, folder, fmt, force=force)
         if progress is not None:
             progress(len(paths), len(MOTION_PLOTS))
     return paths

@@ -33,6 +33,7 @@ from mgs.report.canvas import (
 from mgs.report.ground import draw_above, footstep_corners
 from mgs.report.robot_drawing import box_corners, draw_robot, view_from
 from mgs.report.scenery import NEARBY, draw_scene
+from mgs.report.title import title_line
 
 WIDTH = 9.2  # [inch] width of the picture
 VIEW = view_from(-58.0, 14.0)  # from the front right: the robot walks to the right
@@ -72,12 +73,6 @@ def picture_strip(motion: Motion, n_poses: int = N_POSES, verdict: str = "") -> 
     if on_the_spot:
         _draw_joints(figure.add_subplot(below[1]), motion)
     return figure
-
-
-def title_line(motion: Motion, verdict: str = "") -> str:
-    """Gait, robot and duration, and the verdict if it is known."""
-    text = f"{motion.gait_name} of {motion.robot.spec.name}, {motion.duration:.1f} s"
-    return f"{text}: {verdict}" if verdict else text
 
 
 def _strip_layout(

@@ -78,3 +78,17 @@ def test_a_file_where_the_folder_should_be_is_a_usage_error(walk_file: Path, tmp
     result = run("plot", walk_file, "-o", tmp_path / "plots")
     assert (result.exit_code, result.stdout) == (2, "")
     assert files_below(tmp_path) == {"plots": b"mine"}
+
+
+def test_info_judges_by_the_static_checks_as_validate_does(walk_file: Path, falling_file: Path):
+    for file in (walk_file, falling_file):
+        verdict = json.loads(run("validate", file, "--physics", "none", "--json").stdout)
+        told = json.loads(run("info", file, "--check", "--json").stdout)
+        assert told["static_checks"] == verdict["checks"]
+        text = run("info", file, "--check").stdout
+        passes = verdict["verdict"] == "pass"
+        assert f"verdict: {'passes' if passes else 'FAILS'} the static checks" in text
+        for check in verdict["checks"]:
+            assert (f"  FAIL {check['name']} " in text) == (not check["ok"])
+    assert not passes
+    assert "verdict: not in the file" in run("info", walk_file).stdout

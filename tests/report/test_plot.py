@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import dataclasses
 import io
 import re
 import subprocess
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 from PIL import Image
 
 from mgs.core.errors import ConfigError, OutputExistsError
@@ -45,6 +47,30 @@ def test_single_plots_are_selected_by_name(motion: Motion):
     assert list(plot(motion, ["joint_torques", "balance"])) == ["joint_torques", "balance"]
     with pytest.raises(ConfigError, match=r"names: 'below' is not a plot; use above, balance"):
         plot(motion, "below")
+
+
+def test_every_plot_has_a_title_with_gait_robot_and_verdict(motion: Motion):
+    wrong = dataclasses.replace(motion, q=motion.q.copy())
+    wrong.q[50, -1] = motion.robot.upper[-1] + 0.1
+    for shown, verdict in ((motion, "static checks pass"), (wrong, "fails joint_position, ")):
+        for name, figure in plot(shown).items():
+            figure.draw_without_rendering()
+            (title,) = (
+                t for t in figure.findobj(Text) if t.get_text().startswith(f"{motion.gait_name} of")
+            )
+            assert f"{motion.gait_name} of melson, 12.0 s: {verdict}" in title.get_text().replace(
+                "\n", " "
+            )
+            left, low, right, high = title.get_window_extent().extents
+            assert left >= 0.0 and right <= figure.bbox.width and high <= figure.bbox.height
+            others = [*figure.texts, *(t for legend in figure.legends for t in legend.get_texts())]
+            others += [
+                t for axes in figure.axes for t in axes.get_children() if isinstance(t, Text)
+            ]
+            for other in others:
+                box = other.get_window_extent().extents
+                beside = box[0] >= right or box[2] <= left or box[1] >= high or box[3] <= low
+                assert beside or other is title, (name, other.get_text())
 
 
 def test_the_html_contains_every_figure(motion: Motion):

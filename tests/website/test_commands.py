@@ -11,8 +11,8 @@ from tests.support.page_commands import ROOT, agrees, first_difference, follow, 
 DOCS = ROOT / "docs"
 
 
-@pytest.mark.parametrize("name", ["index", "tutorials/servos", "tutorials/library"])
-def test_a_tutorial_works_word_by_word(name: str, tmp_path: Path):
+@pytest.mark.parametrize("name", ["index", "tutorials/servos", "tutorials/library", "terminal"])
+def test_a_page_works_word_by_word(name: str, tmp_path: Path):
     folder = tmp_path / "empty"
     folder.mkdir()
     steps = follow(DOCS / f"{name}.md", folder)
