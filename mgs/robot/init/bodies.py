@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from mgs.core.arrays import Array
 from mgs.robot.init.anatomy import Anatomy
+from mgs.robot.init.looks import Look
 from mgs.robot.init.points import bounding_box
 from mgs.robot.init.skeleton import BASE, Skeleton
 from mgs.robot.init.sole import Sole
@@ -43,6 +44,7 @@ def cleaned_urdf(
     skeleton: Skeleton,
     links: list[str],
     shapes: list[list[Shape]],
+    looks: list[list[Look]],
     inertias: list[pin.Inertia],
     figures: dict[int, tuple[float, float]],
 ) -> str:
@@ -53,12 +55,15 @@ def cleaned_urdf(
         skeleton: bodies of the robot.
         links: name of the link of each body.
         shapes: collision shapes of each body.
+        looks: visual meshes of each body.
         inertias: inertia of each body.
         figures: torque limit [N m] and speed limit [rad/s] of each joint.
     """
     model, root = skeleton.model, ElementTree.Element("robot", name=name)
     for body in range(BASE, model.njoints):
-        add_link(root, links[body], inertias[body], shapes[body])
+        link = add_link(root, links[body], inertias[body], shapes[body])
+        for look in looks[body]:
+            look.add_to(link)
     for body in range(BASE + 1, model.njoints):
         at = int(model.idx_qs[body])
         limits = (

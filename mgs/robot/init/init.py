@@ -19,6 +19,7 @@ from mgs.robot.init.collisions import touching_pairs
 from mgs.robot.init.coupled import free_leg_followers
 from mgs.robot.init.facing import heading
 from mgs.robot.init.figures import servo_figures
+from mgs.robot.init.looks import find_looks
 from mgs.robot.init.posture import NEAR, find_posture, hand_point, leg_length
 from mgs.robot.init.skeleton import Skeleton, build_skeleton
 from mgs.robot.init.sole import Sole, find_sole
@@ -97,7 +98,8 @@ def _drafted(urdf: Path, name: str | None, package_paths: tuple[Path, ...]) -> D
         ignored=[],
     )
     efforts = {joint: (found.effort, found.velocity) for joint, found in figures.items()}
-    urdf_text = cleaned_urdf(draft.name, skeleton, links, shapes, inertias, efforts)
+    looks = find_looks(skeleton, source.root)
+    urdf_text = cleaned_urdf(draft.name, skeleton, links, shapes, looks, inertias, efforts)
     robot = build_robot(robot_yaml(draft), urdf_text, urdf)
     draft.ignored.extend(touching_pairs(robot, {draft.links[b] for b in _shins(anatomy)}))
     draft.ignored.extend(_apart(source, skeleton, links, draft.ignored))

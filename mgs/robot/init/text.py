@@ -179,7 +179,8 @@ def readme(draft: Draft, source: str, notes: Iterable[str]) -> str:
             "",
             "`robot.urdf` is a cleaned copy of the source. It has one link for each moving body, "
             "with the inertia of all links that are fixed to it. Feet and meshes are replaced by "
-            "boxes; other shapes are unchanged. Review the lines of `robot.yaml` that are marked "
+            "boxes; other shapes are unchanged. Visual meshes are named for pages and viewers, and "
+            "their files are not needed. Review the lines of `robot.yaml` that are marked "
             "`guess`. `mgs robot check` finds errors in this folder.",
             "",
             "Joints by limb:",
