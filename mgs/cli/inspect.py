@@ -47,10 +47,8 @@ def info(file: Path, check: bool, as_json: bool) -> None:
     engines, missing = engine_versions(), missing_engines()
     if as_json:
         absent = [engine.to_dict() for engine in missing]
-        told = {**content, "engines": engines, "engines_missing": absent}
-        if checks is not None:
-            told["static_checks"] = [entry.to_dict() for entry in checks]
-        print_json(told)
+        judged = {} if checks is None else {"static_checks": [c.to_dict() for c in checks]}
+        print_json({**content, "engines": engines, "engines_missing": absent, **judged})
         return
     for text in info_lines(content, checks):
         say(click.format_filename(text))

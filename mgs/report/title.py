@@ -34,8 +34,8 @@ def add_title(figure: Figure, text: str) -> Figure:
         text = ":\n".join(text.rsplit(": ", 1))
     if figure.legends:  # the layout has room for one thing above the axes
         legend = figure.legends[0]
-        legend.set_title(text, {"size": TITLE + 1.0})
-        legend.get_title().set_color(INK)
+        legend.set_title(text)
+        legend.get_title().set(color=INK, fontsize=TITLE + 1.0)
         legend.set_alignment("left")
     else:
         figure.suptitle(text, x=0.01, ha="left", fontsize=TITLE + 1.0, color=INK)

@@ -41,9 +41,9 @@ def find_looks(skeleton: Skeleton, root: ElementTree.Element) -> list[list[Look]
     """
     model = skeleton.model
     colours = {
-        material.get("name"): colour.get("rgba")
+        material.get("name"): element.get("rgba")
         for material in root.iter("material")
-        if (colour := material.find("color")) is not None
+        for element in material.findall("color")
     }
     looks: list[list[Look]] = [[] for _ in range(model.njoints)]
     for link in root.findall("link"):
