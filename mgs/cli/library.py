@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from mgs.cli.common import force_option, json_option, print_json, progress_bars, say
+from mgs.cli.common import (
+    force_option,
+    json_option,
+    print_json,
+    progress_bars,
+    say,
+    with_progress,
+)
+from mgs.cli.export_options import Choice, export_options
+from mgs.motion_file.formats import FORMATS
 
 if TYPE_CHECKING:
     from mgs.library.query import Table
@@ -105,38 +115,75 @@ def query(
         _print(table)
 
 
-@library.command(short_help="Write the table of a library as CSV or Parquet.")
+@library.command(short_help="Write the table or the motions of a library.")
 @folder_argument
 @click.option(
-    "--format", "kind", type=click.Choice(["csv", "parquet"]), required=True,
-    help="Format of the file to write.",
+    "--format", "kind", type=click.Choice(["csv", "parquet"]),
+    help="Format of the table to write.",
 )  # fmt: skip
 @click.option(
-    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
-    help="File to write. Default: DIR.csv or DIR.parquet.",
+    "--motions", metavar="NAME", type=click.Choice(list(FORMATS)),
+    help="Format in which all motions are written, instead of a table: a name that mgs export "
+    "--help lists.",
+)  # fmt: skip
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path),
+    help="File of the table, or folder of the motions. Default: DIR.csv, DIR.parquet or DIR-NAME.",
 )  # fmt: skip
 @where_option
 @columns_option
+@click.option(
+    "--cycle", "as_cycle", is_flag=True,
+    help="Write two steps from the middle of each walk, made exactly periodic.",
+)  # fmt: skip
+@click.option(
+    "--grid", is_flag=True,
+    help="Write grid.json too, the files by velocity; exit code 1 unless every combination of the "
+    "velocities of the sweep has one motion.",
+)  # fmt: skip
+@click.option(
+    "--resume", is_flag=True,
+    help="Continue an export of motions that was interrupted; files that are there are kept.",
+)  # fmt: skip
+@export_options
 @force_option
 @json_option
+@click.pass_context
 def export(
+    ctx: click.Context,
     folder: Path,
-    kind: str,
+    kind: str | None,
+    motions: str | None,
     output: Path | None,
     where: str | None,
     columns: str | None,
+    as_cycle: bool,
+    grid: bool,
+    resume: bool,
+    choice: Choice,
     force: bool,
     as_json: bool,
 ) -> None:
-    """Write the table of a library as a CSV or Parquet file for other tools.
+    """Write the table of a library, or all its motions, for other tools.
 
-    The table has one row per gait: its values, its verdict and its figures.
+    The table (--format) has one row per gait: its values, its verdict and its figures. Motions
+    (--motions) are written to a new folder, one file each, with index.csv, which has their
+    velocities; the options from --fps on are those of mgs export. Exit code 1 if a motion could
+    not be written.
 
     \b
     Examples:
       mgs library export outputs/speeds --format csv
       mgs library export outputs/speeds --format parquet -o passed.parquet --where "survived"
+      mgs library export outputs/speeds --motions open-duck --cycle --grid -o speeds-duck
+      mgs library export outputs/speeds --motions dynamixel --motors motors.yaml --resume
     """  # noqa: D301
+    if (kind is None) == (motions is None):
+        raise click.UsageError("Give --format for the table, or --motions for the motions.")
+    if motions is not None:
+        conversion = motions, choice, as_cycle
+        ctx.exit(_export_motions(folder, output, conversion, where, grid, resume, as_json))
+    assert kind is not None
     from mgs.core.atomic_files import refuse_taken, replace_file
     from mgs.library import query as look
 
@@ -203,6 +250,47 @@ def report(
         if output is not None:
             say(f"{click.format_filename(str(output))}: open it in a web browser")
     ctx.exit(1 if found["damaged_files"] else 0)
+
+
+def _export_motions(
+    folder: Path,
+    output: Path | None,
+    conversion: tuple[str, Choice, bool],
+    where: str | None,
+    grid: bool,
+    resume: bool,
+    as_json: bool,
+) -> int:
+    """Write the motions of a library and tell what became of them; gives the exit code."""
+    from mgs.library.export_motions import Conversion, export_motions
+
+    motions, choice, as_cycle = conversion
+    out = output or folder.with_name(f"{folder.resolve().name}-{motions}")
+    chosen = Conversion(
+        motions, choice.options(), choice.fps, as_cycle, choice.unit, choice.feed_forward
+    )
+    summary = with_progress(
+        "motions",
+        lambda bar: export_motions(
+            folder, out, chosen, where, resume=resume, grid=grid, progress=bar
+        ),
+    )
+    if as_json:
+        print_json({"folder": str(out), "format": motions, **asdict(summary)})
+        return 0 if summary.is_whole else 1
+    kept = f", {summary.kept} kept" if summary.kept else ""
+    say(f"{click.format_filename(str(out))}: {summary.written} motions written{kept}")
+    for number, message in list(summary.failed.items())[:MOST_VALUES]:
+        say(f"  gait {number}: {message}")
+    if (more := len(summary.failed) - MOST_VALUES) > 0:
+        say(f"  and {more} more")
+    if summary.grid is not None:
+        x, y, w = summary.grid
+        say(f"  grid of {x} x {y} x {w} velocities: {len(summary.missing)} are missing")
+        for title, found in (("missing", summary.missing), ("several", summary.double)):
+            for vx, vy, wz in found[:MOST_VALUES]:
+                say(f"  {title}: vx {vx:g}, vy {vy:g} m/s, wz {wz:g} rad/s")
+    return 0 if summary.is_whole else 1
 
 
 def _names(columns: str) -> list[str]:

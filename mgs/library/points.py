@@ -28,7 +28,9 @@ from mgs.core.yaml_text import parse_yaml
 from mgs.gait import Gait, find_gait, parse_gait
 from mgs.gait.find import refuse_outside
 from mgs.library.condition import compile_condition, quoted
+from mgs.library.solved import solved
 from mgs.library.sweep import Axis, Sweep, load_sweep
+from mgs.library.velocity import VELOCITIES
 
 Point = tuple[Any, ...]
 WHOLE = re.compile(r"-?(0|[1-9][0-9]{0,15})")
@@ -95,6 +97,8 @@ def _planned(path: Path) -> Plan:
     kept = list(_filtered(path, sweep.filters, gait, keys, points))
     if not kept:
         raise ConfigError(path, f"no gait is left: the filters exclude all {len(points)} points")
+    if set(keys) & set(VELOCITIES):
+        keys, kept = solved(path, gait, keys, kept)
     return Plan(str(path), sweep, base, text, gait, keys, kept, len(points) - len(kept))
 
 
@@ -123,6 +127,7 @@ def _refuse_too_many(path: Path, n_points: int, n_keys: int) -> None:
 
 def _check_keys(path: Path, gait: Gait, table_keys: tuple[str, ...], axes: tuple[str, ...]) -> None:
     known = flat(gait.model_dump())
+    known |= dict.fromkeys(VELOCITIES)
     problems = []
     for key in (*table_keys, *axes):
         if not key.isprintable():

@@ -105,6 +105,44 @@ def test_a_table_is_exported_but_not_over_a_file(made: Made, tmp_path: Path):
     assert found["gaits"] == N == len(path.read_text().splitlines()) - 1
 
 
+def test_motions_are_exported_to_a_new_folder(made: Made, tmp_path: Path):
+    out = tmp_path / "motions"
+    arguments = ("library", "export", made[0], "--motions", "csv", "--fps", "20", "-o", out)
+    result = run(*arguments, "--where", "number < 3")
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert result.stdout == f"{out}: 3 motions written\n"
+    assert run(*arguments).exit_code == 1
+    again = run(*arguments, "--where", "number < 3", "--resume", "--json")
+    told = json.loads(again.stdout)
+    assert (told["written"], told["kept"], told["failed"]) == (0, 3, {})
+    other = run(*arguments, "--resume")
+    assert other.exit_code == 2 and "(where differ)" in other.stderr
+
+
+def test_a_grid_that_is_not_full_has_exit_code_one(made: Made, tmp_path: Path):
+    result = run(
+        *("library", "export", made[0], "--motions", "npz", "--grid", "-o", tmp_path / "out"),
+        *("--where", "walk.first_support == 'left'"),
+    )
+    assert result.exit_code == 1 and result.stderr == ""
+    assert "grid of 6 x 1 x 1 velocities: 1 are missing" in result.stdout
+    assert "missing: vx" in result.stdout
+
+
+def test_motions_that_cannot_be_written_are_named(made: Made, tmp_path: Path):
+    out = tmp_path / "out"
+    result = run("library", "export", made[0], "--motions", "dynamixel", "-o", out)
+    assert result.exit_code == 1
+    assert "0 motions written" in result.stdout and "no motor given" in result.stdout
+
+
+@pytest.mark.parametrize("options", [(), ("--format", "csv", "--motions", "csv")])
+def test_either_the_table_or_the_motions_are_exported(made: Made, options: tuple[str, ...]):
+    result = run("library", "export", made[0], *options)
+    assert result.exit_code == 2
+    assert "Give --format for the table, or --motions" in result.stderr
+
+
 def test_a_report_names_a_damaged_file_and_has_exit_code_one(made: Made, tmp_path: Path):
     assert run("library", "report", made[0]).stdout.endswith("all files are intact\n")
     folder = tmp_path / "lib"
