@@ -1,10 +1,11 @@
-"""Third-party humanoids: init, check, generate, validate, and the reasons of failures.
+"""Third-party humanoids, URDF and MJCF: init, check, generate, validate, and the reasons of failures.
 
 pip install "mgs[robots]"   installs the first two packages; the others are used if installed
 python benchmarks/third_party_robots.py [-o DIR] [--path SITE_PACKAGES] [NAME ...]
 
-Every step is a command of mgs; no file is edited between the commands. Prints the Markdown
-table of docs/robots.md.
+Every step is a command of mgs; no file is edited between the commands. Robots whose package is not
+installed are named and skipped. Prints the Markdown table of docs/robots.md; the columns of the
+engines show the replay with ideal servos and the one with PD servos.
 """
 
 from __future__ import annotations
@@ -61,7 +62,6 @@ ROBOTS = {  # in the order of packages: example-robot-data, icub-models, fourier
     "Bolt": f"{DATA}/bolt_description/robots/bolt.urdf",
     "Cassie": f"{DATA}/cassie_description/robots/cassie_v2.sdf",
 }
-MJCF = [name for name, path in ROBOTS.items() if path.endswith(".xml")]
 COMMAND = [sys.executable, "-c", "from mgs.cli import main; main()"]
 
 
@@ -124,7 +124,9 @@ def validated(motion: Path, told: str) -> list[str]:
     if not text.startswith("{"):
         return ["", "", "", f"{told}not simulated: {reason(text, motion)}"]
     verdict = json.loads(text)
-    fates = {r["engine"]: fate(r) for r in verdict["replays"]}
+    fates: dict[str, list[str]] = {}
+    for replay in verdict["replays"]:  # ideal servos, then PD servos
+        fates.setdefault(replay["engine"], []).append(fate(replay))
     planned = verdict["replays"][0]["planned_distance"][0] if verdict["replays"] else 0.0
     failed = [
         f"{c['name']} {c['value']:.3g} of {c['limit']:.3g} {c['unit']} ({c['where']})"
@@ -132,7 +134,7 @@ def validated(motion: Path, told: str) -> list[str]:
         if not c["ok"]
     ]
     end = "passes" if not failed else f"fails: {'; '.join(failed)}"
-    engines = [fates.get(engine, "") for engine in ("pybullet", "mujoco")]
+    engines = [" / ".join(fates.get(engine, [])) for engine in ("pybullet", "mujoco")]
     return [f"{planned:.2f} m", *engines, f"{told}{end}"]
 
 

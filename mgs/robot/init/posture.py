@@ -29,6 +29,7 @@ CROUCHES = (0.95, 0.96, 0.97, 0.98)  # distance from hip to sole, as part of the
 MOST_LOAD = 0.3  # largest part of the torque of a pitch joint to carry the robot on one leg
 LEG_ROOM = 0.25  # [rad] distance from the limits of leg joints that suffices for a step
 HAND_REACH = 0.85  # distance from shoulder to hand, as part of the stretched arm
+STRETCHED = 0.95  # distance from shoulder to hand from which on an arm counts as stretched
 HAND_DIRECTION = (0.2, 0.2, -0.96)  # forward, outward, up
 WIDEST_STANCE = 0.35  # largest distance of the soles from each other, as part of the stretched leg
 LEAST_GAP = 0.3  # least gap between narrowed soles, as part of their width
@@ -75,13 +76,16 @@ def find_posture(
     for leg in anatomy.legs if stand else ():
         _take(skeleton, leg, stand, q)
     for side, arm in enumerate(anatomy.arms or ()):
-        if any(stand.get(skeleton.name(joint), 0.0) for joint in arm):
+        if stand:
             _take(skeleton, arm, stand, q)
-        else:
+        if not stand or not _is_bent(skeleton, arm, q):
             _place_hand(skeleton, arm, 1.0 - 2.0 * side, q)
     found: list[tuple[tuple[float, float, float], Posture]] = []
     for crouch in CROUCHES:
-        posture = _sit(skeleton, anatomy, soles, q.copy(), crouch)
+        posture = _sit(skeleton, anatomy, soles, q.copy(), crouch, WIDEST_STANCE)
+        if posture.sole_error > NEAR:  # legs that cannot roll their soles stand as at rest
+            as_at_rest = _sit(skeleton, anatomy, soles, q.copy(), crouch, np.inf)
+            posture = min(posture, as_at_rest, key=lambda found: found.sole_error)
         room = _room(skeleton, anatomy, posture.q)
         load = _load(skeleton, anatomy.legs[0], soles[0], posture.q, torque)
         score = -max(posture.sole_error, NEAR), min(room, LEG_ROOM), -max(load, MOST_LOAD)
@@ -96,6 +100,15 @@ def _take(skeleton: Skeleton, joints: list[int], stand: Mapping[str, float], q: 
     model, at = skeleton.model, _angles(skeleton, joints)
     angles = [stand.get(skeleton.name(joint), 0.0) for joint in joints]
     q[at] = np.clip(angles, model.lowerPositionLimit[at], model.upperPositionLimit[at])
+
+
+def _is_bent(skeleton: Skeleton, arm: list[int], q: Array) -> bool:
+    """Whether an arm is bent in q, so that its hand can move in all directions."""
+    data = skeleton.model.createData()
+    pin.forwardKinematics(skeleton.model, data, q)
+    shoulder, hand = data.oMi[arm[0]].translation, hand_point(skeleton, arm[-1])
+    distance = float(np.linalg.norm(data.oMi[arm[-1]].act(hand) - shoulder))
+    return distance <= STRETCHED * stretched_length(skeleton.model, arm, hand)
 
 
 def _room(skeleton: Skeleton, anatomy: Anatomy, q: Array) -> float:
@@ -129,13 +142,19 @@ def _turns_in_pitch(skeleton: Skeleton, joint: int) -> bool:
 
 
 def _sit(
-    skeleton: Skeleton, anatomy: Anatomy, soles: tuple[Sole, Sole], q: Array, crouch: float
+    skeleton: Skeleton,
+    anatomy: Anatomy,
+    soles: tuple[Sole, Sole],
+    q: Array,
+    crouch: float,
+    widest: float,
 ) -> Posture:
+    """Posture with the arms of q; `widest` is that of `stance_width`."""
     model, data = skeleton.model, skeleton.model.createData()
     pin.forwardKinematics(model, data, skeleton.at_rest)
     rest = [data.oMi[leg[-1]] * s.placement for leg, s in zip(anatomy.legs, soles, strict=True)]
     length = leg_length(skeleton, anatomy.legs[0], soles[0])
-    half_width = 0.5 * stance_width(rest, soles, length)
+    half_width = 0.5 * stance_width(rest, soles, length, widest)
     middle = 0.5 * (rest[0].translation[1] + rest[1].translation[1])
     hips = [data.oMi[leg[0]].translation.copy() for leg in anatomy.legs]
     drop = min(hips[0][2] - rest[0].translation[2], length) * crouch
@@ -163,15 +182,20 @@ def _sit(
     return Posture(q, error, offset)
 
 
-def stance_width(rest: list[pin.SE3], soles: tuple[Sole, Sole], length: float) -> float:
+def stance_width(
+    rest: list[pin.SE3],
+    soles: tuple[Sole, Sole],
+    length: float,
+    widest: float = WIDEST_STANCE,
+) -> float:
     """Distance of the soles from each other [m].
 
-    That of the zero posture, but at most a part of the leg length [m]: while a robot walks, its
-    CoM has to move from one sole to the other. The soles keep a gap in any case.
+    That of the zero posture, but at most the part `widest` of the leg length [m]: while a robot
+    walks, its CoM has to move from one sole to the other. The soles keep a gap in any case.
     """
     zero = float(rest[0].translation[1] - rest[1].translation[1])
     with_gap = (1.0 + LEAST_GAP) * 0.5 * (soles[0].width + soles[1].width)
-    return min(zero, max(WIDEST_STANCE * length, with_gap))
+    return min(zero, max(widest * length, with_gap))
 
 
 def _with_legs(
