@@ -1,4 +1,4 @@
-"""Third-party humanoids, URDF and MJCF: init, check, generate, validate, and the reasons of failures.
+"""Third-party humanoids, URDF and MJCF: init, check, generate, validate, reasons of failures.
 
 pip install "mgs[robots]"   installs the first two packages; the others are used if installed
 python benchmarks/third_party_robots.py [-o DIR] [--path SITE_PACKAGES] [NAME ...]

@@ -34,6 +34,7 @@ from mgs.core.errors import ConfigError
 from mgs.core.progress import Progress, samples_reported
 from mgs.gait import FarajiParameters, IkParameters
 from mgs.ik_solver.floating.conjugate_gradients import ConjugateGradients
+from mgs.ik_solver.floating.coupled_rows import CoupledRows
 from mgs.ik_solver.floating.hard_soft_report import FarajiReport
 from mgs.ik_solver.floating.parts import parts_of
 from mgs.ik_solver.floating.reserve import Reserve
@@ -137,7 +138,8 @@ class FarajiRun:
         self.inward = np.where(self.region.middle[self.stretched] > self.stretched_at, 1.0, -1.0)
         has_reserve = tuning.reserve and solver.method >= 4
         self.reserve = Reserve(tasks.n_samples, tasks.dt) if has_reserve else None
-        self.qp = BoundedQp(robot.model.nv, len(self.E_hard))
+        self.coupled = CoupledRows(robot)
+        self.qp = BoundedQp(robot.model.nv, len(self.E_hard) + self.coupled.n)
         self.low, self.high = np.empty(robot.n), np.empty(robot.n)
         self.configurations = np.empty((tasks.n_samples, robot.model.nq))
         self.velocities = np.empty((tasks.n_samples, robot.n)) if solver.method == 2 else None
@@ -253,6 +255,7 @@ class FarajiRun:
             np.minimum(joints, self.high, out=joints)
         if self.qp.elastic and solver.is_bounded:
             self.elastic.append(k)
+        self.coupled.complete(self.q[FLOATING_BASE_NQ:])
         self.configurations[k] = self.q
         if self.velocities is not None:
             self.velocities[k] = self._second_problem(k)
@@ -300,19 +303,20 @@ class FarajiRun:
 
     def _minimiser(self, joints: Array) -> Array:
         """Solution dq (6 + n,) of the quadratic program, from joint angles (n,)."""
+        A, b = self.coupled.below(self.A, self.b, joints)
         if self.gradients is not None:
-            return self.gradients.step(self.H, self.g, self.A, self.b)
+            return self.gradients.step(self.H, self.g, A, b)
         if not self.solver.is_bounded:
-            return solve_equality(self.H, self.g, self.A, self.b)
+            return solve_equality(self.H, self.g, A, b)
         np.subtract(self.low, joints, out=self.qp.low)
         np.subtract(self.high, joints, out=self.qp.high)
-        return self.qp.solve(self.H, self.g, self.A, self.b)
+        return self.qp.solve(self.H, self.g, A, b)
 
     def _second_problem(self, k: int) -> Array:
         """Joint velocities (n,) of ik2, eq. (5) [rad/s]."""
         self.tasks.update(self.q)
         self.objective.set(self.steps_soft[k])
-        dq = solve_equality(self.H, self.g, self.A, self.steps_hard[k])
+        dq = solve_equality(self.H, self.g, *self.coupled.below(self.A, self.steps_hard[k]))
         return dq[FLOATING_BASE_NV:] / self.dt
 
     def finish(self) -> JointTrajectory:
@@ -326,6 +330,7 @@ class FarajiRun:
         joints = self.configurations[:, FLOATING_BASE_NQ:].copy()
         near = np.clip(joints, self.robot.lower, self.robot.upper)
         np.copyto(joints, near, where=np.abs(near - joints) < ROUNDING)
+        self.coupled.complete(joints)
         if not self.solver.keep:
             causes = dict.fromkeys(self.elastic, CONTRADICTED)
             rows = judged_rows(self.tasks, self.hard)

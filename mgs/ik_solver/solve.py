@@ -16,6 +16,8 @@ from mgs.robot import Robot
 from mgs.robot.legs import missing_turn
 from mgs.trajectory_planner import TaskTrajectory
 
+KNOW_COUPLED = ("clik", "ik1", "ik2", "ik3", "ik4", "ik5")  # solvers that know coupled joints
+
 
 class IkSolver(Protocol):
     """Frozen tuning and one method that takes the whole task trajectory.
@@ -58,14 +60,14 @@ def solve_ik(
 
     Raises:
         ConfigError: nothing of the solver's name is installed, legs lack a turn of the sole that
-            only clik does without, or joints are coupled, which only clik knows.
+            only clik does without, or joints are coupled, which few solvers know.
         MgsError: a solver of another package returns joint angles of a wrong shape.
     """
-    if robot.followers and parameters.solver != "clik":
+    if robot.followers and parameters.solver not in KNOW_COUPLED:
         raise ConfigError(
             "ik.solver",
             f"{parameters.solver} moves every joint by itself, but joints of {robot.spec.name} are "
-            f"coupled ({', '.join(robot.followers)}); use clik",
+            f"coupled ({', '.join(robot.followers)}); use clik or ik1 to ik5",
         )
     turn = missing_turn(robot)
     if turn is not None and parameters.solver != "clik":

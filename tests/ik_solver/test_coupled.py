@@ -140,7 +140,17 @@ def test_motors_do_the_work_that_the_energy_of_the_robot_shows(turn: Motion):
     assert np.quantile(without, 0.8) > 3.0 * np.quantile(gap, 0.8)  # so that it is no small part
 
 
-@pytest.mark.parametrize("solver", ["ik4", "prioritized", "trajectory"])
+@pytest.mark.parametrize("solver", ["ik1", "ik2", "ik3", "ik4", "ik5"])
+def test_hard_and_soft_tasks_keep_coupled_joints_together(nao: Robot, solver: str):
+    motion = mgs.generate(nao, "generic/squat", ik__solver=solver)
+    left, right = (nao.joint_names.index(f"{s}HipYawPitch") for s in "LR")
+    joints = motion.q[:, FLOATING_BASE_NQ:]
+    assert np.abs(joints[:, left] - joints[:, right]).max() < 1e-9  # [rad]
+    assert np.ptp(joints, axis=0).max() > 0.1  # it squats
+    assert [check.name for check in check_motion(motion) if not check.ok] == []
+
+
+@pytest.mark.parametrize("solver", ["prioritized", "prioritized-acceleration", "trajectory"])
 def test_solvers_that_move_every_joint_by_itself_say_so(nao: Robot, solver: str):
     with pytest.raises(ConfigError, match=r"joints of nao_like are coupled \(RHipYawPitch\)"):
         mgs.generate(nao, "walk", ik__solver=solver)
