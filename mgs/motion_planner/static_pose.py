@@ -125,7 +125,10 @@ class _Search:
             ],
             options={"maxiter": MAX_ITERATIONS, "ftol": 1e-6},
         )
-        return np.asarray(np.clip(result.x, self.low, self.high))
+        joints = np.asarray(np.clip(result.x, self.low, self.high))
+        if self.model.robot.coupling is not None:
+            self.model.robot.coupling.complete(joints)
+        return joints
 
     def _parts(self, joints: Array, goals: Array, hands_hard: bool) -> tuple[Array, Array, Array]:
         """Residuals to minimise in sum of squares, to make zero, and to keep positive."""
@@ -139,6 +142,8 @@ class _Search:
             np.sqrt(WEIGHT_COM) * (com - self.middle) / self.depth,
         ]
         vanishing = [standing.right_sole / LENGTH_UNIT]
+        if robot.coupling is not None:
+            vanishing.append(robot.coupling.misses(joints))
         if hands_hard:
             vanishing.append(hands)
         else:

@@ -70,10 +70,10 @@ class Coupling:
         """Set the angles of the followers in q (..., n) by those of their leaders, in place."""
         q[..., self.followers] = self.multipliers * q[..., self.leaders] + self.offsets
 
-    def error(self, q: Array) -> float:
-        """Largest distance of a follower from its place in q (..., n) [rad]."""
+    def misses(self, q: Array) -> Array:
+        """Distances (..., f) of the followers in q (..., n) from their places [rad]."""
         there = self.multipliers * q[..., self.leaders] + self.offsets
-        return float(np.abs(q[..., self.followers] - there).max())
+        return np.asarray(q[..., self.followers] - there)
 
     def at_motors(self, torque: Array) -> Array:
         """S^T tau: torques (..., n) of the motors that make joint torques (..., n); followers 0."""

@@ -1,6 +1,6 @@
 """Coupled joints as equalities of a quadratic program, beside those of the hard tasks.
 
-    q_follower + dq_follower - multiplier (q_leader + dq_leader) = offset
+q_follower + dq_follower - multiplier (q_leader + dq_leader) = offset
 """
 
 from __future__ import annotations

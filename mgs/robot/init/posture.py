@@ -30,6 +30,7 @@ MOST_LOAD = 0.3  # largest part of the torque of a pitch joint to carry the robo
 LEG_ROOM = 0.25  # [rad] distance from the limits of leg joints that suffices for a step
 HAND_REACH = 0.85  # distance from shoulder to hand, as part of the stretched arm
 STRETCHED = 0.95  # distance from shoulder to hand from which on an arm counts as stretched
+HANGING = 0.8  # least part of that distance that points down
 HAND_DIRECTION = (0.2, 0.2, -0.96)  # forward, outward, up
 WIDEST_STANCE = 0.35  # largest distance of the soles from each other, as part of the stretched leg
 LEAST_GAP = 0.3  # least gap between narrowed soles, as part of their width
@@ -54,7 +55,9 @@ def leg_length(skeleton: Skeleton, leg: list[int], sole: Sole) -> float:
 
 
 def hand_point(skeleton: Skeleton, body: int) -> Array:
-    """Middle (3,) of the surface of a hand, in its frame [m]."""
+    """Middle (3,) of the surface of a hand, in its frame [m]; its CoM if it has no shape."""
+    if not skeleton.surfaces[body]:
+        return np.array(skeleton.model.inertias[body].lever)
     points = skeleton.points(body)
     return 0.5 * (points.min(axis=0) + points.max(axis=0))
 
@@ -69,8 +72,8 @@ def find_posture(
     """Deepest posture with level soles, enough distance from joint limits and enough torque.
 
     If no posture meets all three conditions, they are ranked in this order. `torque` holds the
-    torque limit of each joint [N m]. Where `stand`, angles of joints by name [rad], bends the arms,
-    they stay like that; the search for the angles of the legs begins at it.
+    torque limit of each joint [N m]. Where the arms hang bent in `stand`, angles of joints by name
+    [rad], they stay like that; the search for the angles of the legs begins at it.
     """
     q = skeleton.at_rest.copy()
     for leg in anatomy.legs if stand else ():
@@ -78,7 +81,7 @@ def find_posture(
     for side, arm in enumerate(anatomy.arms or ()):
         if stand:
             _take(skeleton, arm, stand, q)
-        if not stand or not _is_bent(skeleton, arm, q):
+        if not stand or not _hangs(skeleton, arm, q):
             _place_hand(skeleton, arm, 1.0 - 2.0 * side, q)
     found: list[tuple[tuple[float, float, float], Posture]] = []
     for crouch in CROUCHES:
@@ -102,13 +105,18 @@ def _take(skeleton: Skeleton, joints: list[int], stand: Mapping[str, float], q: 
     q[at] = np.clip(angles, model.lowerPositionLimit[at], model.upperPositionLimit[at])
 
 
-def _is_bent(skeleton: Skeleton, arm: list[int], q: Array) -> bool:
-    """Whether an arm is bent in q, so that its hand can move in all directions."""
+def _hangs(skeleton: Skeleton, arm: list[int], q: Array) -> bool:
+    """Whether an arm hangs down bent in q, so that its hand can keep its place while walking.
+
+    The shoulder sways from side to side; an arm that points aside would fold and stretch with it.
+    """
     data = skeleton.model.createData()
     pin.forwardKinematics(skeleton.model, data, q)
-    shoulder, hand = data.oMi[arm[0]].translation, hand_point(skeleton, arm[-1])
-    distance = float(np.linalg.norm(data.oMi[arm[-1]].act(hand) - shoulder))
-    return distance <= STRETCHED * stretched_length(skeleton.model, arm, hand)
+    hand = hand_point(skeleton, arm[-1])
+    way = data.oMi[arm[-1]].act(hand) - data.oMi[arm[0]].translation
+    distance = float(np.linalg.norm(way))
+    is_bent = distance <= STRETCHED * stretched_length(skeleton.model, arm, hand)
+    return is_bent and -float(way[2]) >= HANGING * distance
 
 
 def _room(skeleton: Skeleton, anatomy: Anatomy, q: Array) -> float:
