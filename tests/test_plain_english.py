@@ -20,7 +20,7 @@ from mgs.cli import main
 from tests.support.commands import run
 
 PACKAGE = Path(mgs.__file__).parent
-KINDS = ("gait", "robot", "sweep")
+KINDS = ("gait", "robot", "sweep", "motors", "unit")
 FRAGMENT = re.compile(r"(Of|At most|As|Whether it|The same|That of|Times|Not)\b")
 UNIT_ONLY = re.compile(r"\[[^]]*\]\.?")
 UNIT = re.compile(r"\[[^]]+\]|\bunit of the key\b")

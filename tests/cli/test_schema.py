@@ -39,7 +39,7 @@ def problems(kind: str, tree: Any) -> list[str]:
     return [error.message for error in validator.iter_errors(tree)]
 
 
-@pytest.mark.parametrize("kind", ["gait", "robot", "sweep"])
+@pytest.mark.parametrize("kind", ["gait", "robot", "sweep", "motors", "unit"])
 def test_the_schema_is_a_json_schema(kind: str):
     jsonschema.Draft202012Validator.check_schema(schema(kind))
 
@@ -55,7 +55,7 @@ def test_every_shipped_file_meets_its_schema_and_no_other_key_does(kind: str, pa
             assert len(problems(kind, tree | {key: tree[key] | {"colour": "red"}})) == 1
 
 
-@pytest.mark.parametrize("kind", ["gait", "robot", "sweep"])
+@pytest.mark.parametrize("kind", ["gait", "robot", "sweep", "motors", "unit"])
 def test_nothing_at_all_does_not_meet_the_schema(kind: str):
     assert problems(kind, {}) != []
     assert problems(kind, []) != []
@@ -102,7 +102,7 @@ def takes_numbers(field: dict[str, Any]) -> bool:
     )
 
 
-@pytest.mark.parametrize("kind", ["gait", "robot"])
+@pytest.mark.parametrize("kind", ["gait", "robot", "motors", "unit"])
 def test_descriptions_can_be_read_alone(kind: str):
     """Each is a sentence or noun phrase, with the unit of numbers and the meaning of null."""
     content = schema(kind)

@@ -1,11 +1,8 @@
 """feetech-sync: finished packets that write the goal positions of Feetech servos.
 
-A head line `time,packet` and one line per packet: the time [s] at which it is to be sent, and its
-bytes as hexadecimal digits. Motors with the same register share a packet; a bus of several kinds of
-motors has several packets with the same time. Each is a Sync Write (0x83) of goal positions: the
-program on the robot opens the port and writes the bytes. Ids, ticks and registers are those of
-`motors` in robot.yaml, or of --motors FILE. Angles come back within half a tick. Lines that begin
-with # are remarks. The table states no scale, so that reading it takes a robot with the motors.
+The layout is that of the format dynamixel-sync (`mgs export --layout dynamixel-sync`), for motors
+whose model is one of Feetech. Goal positions are at address 42; servos of the series SCS take the
+high byte first. Packets have the form of Dynamixel's protocol 1.0.
 """
 
 from __future__ import annotations
