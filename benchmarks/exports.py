@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from mgs.core.arrays import Array
-from mgs.core.errors import InfeasibleGaitError, MgsError
+from mgs.core.errors import MgsError
 from mgs.core.geometry import rotation_angles
 from mgs.gait import list_gaits, load_gait
 from mgs.motion import Motion
@@ -62,7 +62,7 @@ def motions(wanted: list[str]) -> Iterator[tuple[str, Motion]]:
             title = name if gait.robot else f"{name} of {robot}"
             try:
                 yield title, generate(load_robot(robot), gait, name).motion
-            except InfeasibleGaitError as error:
+            except MgsError as error:  # a robot without arms does not wave
                 print(f"{title}: not possible: {error}", file=sys.stderr)
 
 

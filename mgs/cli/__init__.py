@@ -45,7 +45,9 @@ COMMANDS = {
         "mgs.cli.compare", "Compare a motion with a log of the robot that executed it."
     ),
     "batch": LazyCommand("mgs.cli.batch", "Make a gait library: many variations of one gait."),
-    "library": LazyCommand("mgs.cli.library", "Query, export and summarize a gait library."),
+    "library": LazyCommand(
+        "mgs.cli.library", "Query, export and summarize a gait library; tables by velocity."
+    ),
     "robot": LazyCommand("mgs.cli.robot", "List, show, check and create robot descriptions."),
     "gait": LazyCommand("mgs.cli.gait", "List and show the shipped gait files."),
     "experiment": LazyCommand(

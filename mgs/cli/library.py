@@ -1,4 +1,4 @@
-"""The commands mgs library query, export and report."""
+"""The commands mgs library query, export, lookup and report."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from mgs.cli.common import (
     with_progress,
 )
 from mgs.cli.export_options import Choice, export_options
+from mgs.cli.lookup import lookup
 from mgs.motion_file.formats import FORMATS
 
 if TYPE_CHECKING:
@@ -338,3 +339,6 @@ def _print_report(found: dict[str, Any]) -> None:
                    "again with mgs batch run --resume")  # fmt: skip
     else:
         say("all files are intact")
+
+
+library.add_command(lookup)

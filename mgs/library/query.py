@@ -84,6 +84,11 @@ class GaitLibrary:
         """Number of gaits that are considered."""
         return len(self._numbers)
 
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """Numbers of the gaits that are considered."""
+        return tuple(self._numbers)
+
     def nearest(self, *, vx: float = 0.0, vy: float = 0.0, wz: float = 0.0) -> LibraryGait:
         """Find the gait whose velocity is nearest to vx, vy [m/s] and wz [rad/s].
 

@@ -55,22 +55,29 @@ class Cycle:
         return len(self.position)
 
 
-def find_cycle(motion: Motion) -> Cycle:
+def find_cycle(motion: Motion, begins: Support | None = None) -> Cycle:
     """The two steps of a walk that differ least from those that follow.
+
+    Args:
+        motion: the walk.
+        begins: single support with whose first sample the cycle begins, so that the cycles of
+            several walks have the same phase; None: it begins where the difference is least.
 
     Raises:
         CycleError: there are too few steps, or they differ too much.
     """
-    windows = _windows(motion)
-    if not windows:
+    candidates = [
+        (k, period)
+        for start, end, period in _windows(motion)
+        if begins is None or motion.support[start] == begins
+        for k in range(start, end if begins is None else start + 1)
+    ]
+    if not candidates:
         raise CycleError(
             f"{motion.gait_name}: no two steps in its middle that could be repeated; that takes "
             "a walk of at least 5 equal steps"
         )
-    k, period = min(
-        ((k, period) for start, end, period in windows for k in range(start, end)),
-        key=lambda pair: _cost(motion, *pair),
-    )
+    k, period = min(candidates, key=lambda pair: _cost(motion, *pair))
     d, e = _differences(motion, k, period)
     worst, fastest = int(np.argmax(np.abs(d))), int(np.argmax(np.abs(e)))
     with remedies_for(motion.gait):

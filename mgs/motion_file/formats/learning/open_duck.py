@@ -22,6 +22,7 @@ rotation vector between two frames times its length. Numbers have 7 digits after
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -58,7 +59,7 @@ def write(sampled: SampledMotion, path: Path, options: Options) -> Written:
 def _entries(sampled: SampledMotion, names: tuple[str, ...], table: Columns) -> dict[str, Any]:
     """Entries before the frames."""
     x, y, yaw = _displacement(sampled)
-    period = (sampled.n_frames - 1) * sampled.interval
+    period = safe_period(sampled.n_frames - 1, sampled.fps)
     rate = 1.0 / period if period > 0.0 else 0.0
     sizes = {name: column.shape[1] for name, column in table.items()}
     starts = np.cumsum([0, *sizes.values()])[:-1].tolist()
@@ -78,6 +79,12 @@ def _entries(sampled: SampledMotion, names: tuple[str, ...], table: Columns) -> 
         "Frame_offset": [dict(zip(sizes, starts, strict=True))],
         "Frame_size": [sizes],
     }
+
+
+def safe_period(frames: int, fps: float) -> float:
+    """Period [s] of a number of frames that is this number again when a reader cuts it off."""
+    period = frames / fps
+    return period if int(period * fps) == frames else math.nextafter(period, math.inf)
 
 
 def _displacement(sampled: SampledMotion) -> tuple[float, float, float]:
