@@ -5,28 +5,26 @@ Each module has `write(walks, path, options) -> Written`; its docstring states t
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
 from mgs.motion_file.formats.format import Options, Written
+from mgs.motion_file.formats.lookup import open_duck_poly, toddlerbot_zmp
 from mgs.motion_file.formats.lookup.walk import Walk
 
 __all__ = ["LOOKUPS", "Lookup", "Walk"]
 
-_HERE = "mgs.motion_file.formats.lookup"
-
 
 @dataclass(frozen=True)
 class Lookup:
-    """A kind of table; its module is imported when it is used."""
+    """A kind of table, and the module that writes it."""
 
     name: str
     summary: str  # one line
     suffix: str
-    module: str
+    module: ModuleType
     fps: float  # that its readers expect [Hz]
 
     def write(self, walks: Sequence[Walk], path: Path, options: Options) -> Written:
@@ -35,16 +33,13 @@ class Lookup:
         Raises:
             ConfigError: the walks do not fit together.
         """
-        written: Written = self._module().write(walks, path, options)
+        written: Written = self.module.write(walks, path, options)
         return written
 
     @property
     def layout(self) -> str:
         """Description of its files."""
-        return (self._module().__doc__ or "").strip()
-
-    def _module(self) -> ModuleType:
-        return importlib.import_module(self.module)
+        return (self.module.__doc__ or "").strip()
 
 
 LOOKUPS: dict[str, Lookup] = {
@@ -52,11 +47,11 @@ LOOKUPS: dict[str, Lookup] = {
     for table in (
         Lookup(
             "open-duck-poly", "polynomials of the Open Duck playground",
-            ".pkl", f"{_HERE}.open_duck_poly", fps=50.0,
+            ".pkl", open_duck_poly, fps=50.0,
         ),
         Lookup(
             "toddlerbot-zmp", "lookup table of ToddlerBot's ZMP walk",
-            ".pkl", f"{_HERE}.toddlerbot_zmp", fps=50.0,
+            ".pkl", toddlerbot_zmp, fps=50.0,
         ),
     )
 }  # fmt: skip
