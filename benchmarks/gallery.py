@@ -79,10 +79,19 @@ def page(entries: list[Entry]) -> str:
     """Page as Markdown."""
     rows = "\n".join(entry.row for entry in entries)
     pictures = "\n\n".join(
-        f"## {entry.name}\n\n{entry.note}\n\n![{entry.name}](gallery/{entry.picture})"
+        f"## {entry.name}\n\n{entry.note}\n\n{moving(entry)}"
+        f"![{entry.name}](gallery/{entry.picture})"
         for entry in entries
     )
     return f"{HEAD}{header()}\n{rows}\n\n{pictures}\n"
+
+
+def moving(entry: Entry) -> str:
+    """The moving picture of a gait, if website/moving_pictures.py has made one."""
+    picture = Path(entry.picture).with_suffix(".gif")
+    if not (DOCS / "gallery" / picture).exists():
+        return ""
+    return f"![{entry.name}, moving](gallery/{picture})\n\n"
 
 
 def entry(name: str) -> Entry:
