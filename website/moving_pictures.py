@@ -11,11 +11,12 @@ stays light: each has less than 300 kB.
 from __future__ import annotations
 
 import io
+import itertools
 import sys
 import tempfile
 from pathlib import Path
 
-from PIL import Image
+from PIL import Image, ImageSequence
 
 from mgs import generate
 from mgs.core.atomic_files import replace_file
@@ -30,7 +31,7 @@ PICTURES = (
     "melson/get_up",
     "melson/obstacle",
     "coman/stairs",
-    "coman/walk_arc",
+    "melson/turn_in_place",
     "coman/wave",
     "coman_legs/squat_stretched",
 )
@@ -44,9 +45,8 @@ def small(path: Path) -> bytes:
     frames, duration = [], 0
     with Image.open(path) as picture:
         duration = EVERY * int(picture.info["duration"])
-        for k in range(0, picture.n_frames, EVERY):
-            picture.seek(k)
-            frame = picture.convert("RGB")
+        for page in itertools.islice(ImageSequence.Iterator(picture), 0, None, EVERY):
+            frame = page.convert("RGB")
             size = (WIDTH, round(WIDTH * frame.height / frame.width))
             frames.append(frame.resize(size, Image.Resampling.LANCZOS))
     palette = frames[0].quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)

@@ -55,6 +55,8 @@ def problem(line: str) -> str | None:
                 if isinstance(value, str) and value.islower():  # capitals stand for any value
                     option.type.convert(value, option, context)
     except click.UsageError as error:
+        if isinstance(error, click.BadOptionUsage) and line.endswith(error.option_name):
+            return None  # a sentence about an option leaves its value out
         return str(error.format_message())
     return None
 
