@@ -9,24 +9,14 @@ import click
 
 from mgs.cli.common import FiniteRange, force_option, json_option, motion_argument, print_json, say
 from mgs.cli.export_options import Choice, export_options
+from mgs.cli.layout_option import layout_option, listing
 from mgs.motion_file.formats import FORMATS
 
 if TYPE_CHECKING:
     from mgs.motion_file.export import Exported
 
-WIDTH = max(len(name) for name in FORMATS) + 2
-LIST = "\n".join(f"  {name:<{WIDTH}}{found.summary}" for name, found in FORMATS.items())
 
-
-def _print_layout(ctx: click.Context, _: click.Parameter, name: str | None) -> None:
-    """Print the description of a format and end the command."""
-    if name is None or ctx.resilient_parsing:
-        return
-    say(FORMATS[name].layout)
-    ctx.exit()
-
-
-@click.command(epilog=f"\b\nFormats:\n{LIST}")
+@click.command(epilog=listing("Formats", FORMATS))
 @motion_argument
 @click.option(
     "--format", "fmt", type=click.Choice(list(FORMATS)), default="csv", show_default=True,
@@ -43,11 +33,7 @@ def _print_layout(ctx: click.Context, _: click.Parameter, name: str | None) -> N
     help="Export two steps from the middle of a walk, made exactly periodic, instead of the whole "
     "motion.",
 )  # fmt: skip
-@click.option(
-    "--layout", type=click.Choice(list(FORMATS)), metavar="NAME", is_eager=True,
-    expose_value=False, callback=_print_layout,
-    help="Print the description of a format and exit.",
-)  # fmt: skip
+@layout_option(FORMATS)
 @click.option(
     "--lead-in", metavar="S", type=FiniteRange(0.1, 60.0),
     help="Duration of a way from the posture of --lead-in-from to the first frame, written before "

@@ -7,22 +7,12 @@ from pathlib import Path
 import click
 
 from mgs.cli.common import FiniteRange, force_option, json_option, print_json, say, with_progress
+from mgs.cli.layout_option import layout_option, listing
 from mgs.motion_file.formats.lookup import LOOKUPS
-
-WIDTH = max(len(name) for name in LOOKUPS) + 2
-LIST = "\n".join(f"  {name:<{WIDTH}}{found.summary}" for name, found in LOOKUPS.items())
-
-
-def _print_layout(ctx: click.Context, _: click.Parameter, name: str | None) -> None:
-    """Print the description of a table and end the command."""
-    if name is None or ctx.resilient_parsing:
-        return
-    say(LOOKUPS[name].layout)
-    ctx.exit()
 
 
 @click.command(
-    epilog=f"\b\nTables:\n{LIST}",
+    epilog=listing("Tables", LOOKUPS),
     short_help="Write the walks of a library as one table by velocity.",
 )
 @click.argument(
@@ -54,11 +44,7 @@ def _print_layout(ctx: click.Context, _: click.Parameter, name: str | None) -> N
     help="Names of the joints to write, separated by commas, in this order. Default: those of the "
     "table, in its order.",
 )  # fmt: skip
-@click.option(
-    "--layout", type=click.Choice(list(LOOKUPS)), metavar="NAME", is_eager=True,
-    expose_value=False, callback=_print_layout,
-    help="Print the description of a table and exit.",
-)  # fmt: skip
+@layout_option(LOOKUPS)
 @force_option
 @json_option
 def lookup(
