@@ -11,7 +11,7 @@ import pytest
 from mgs.motion.goals import goals_along
 from mgs.motion_file import read_motion
 from mgs.motion_file.joint_log import write_joint_log
-from mgs.robot.unit import load_unit
+from mgs.robot.unit import JointCorrection, UnitSpec, load_unit, write_unit
 from tests.support.commands import run
 
 OFFSET, DELAY = 0.03, 0.05  # [rad], [s]
@@ -92,3 +92,19 @@ def test_bad_input_is_refused(tmp_path, squat):
     ]:
         result = run("compare", squat, *options)
         assert (result.exit_code, words in result.stderr) == (code, True), result.stderr
+
+
+def test_the_errors_of_a_simulated_robot_are_found_in_its_replay(tmp_path, squat):
+    """Arms hang freely, so their errors are found; those of legs on the ground share the load."""
+    true = {"left_elbow_pitch": -0.03, "right_elbow_pitch": 0.02, "left_shoulder_pitch": 0.03}
+    joints = {name: JointCorrection(zero_offset=offset) for name, offset in true.items()}
+    unit, record = tmp_path / "true.yaml", tmp_path / "replay.mcap"
+    write_unit(UnitSpec(mgs=1, unit="true", robot="melson", joints=joints), unit)
+    common = ("replay", squat, "--servo", "model", "--engine", "mujoco")
+    replayed = run(*common, "--unit", unit, "--no-correct", "--record", record)
+    assert replayed.exit_code == 0, replayed.stderr
+    found = json.loads(run("compare", squat, record, "--json").stdout)
+    offsets = {joint["joint"]: np.radians(joint["zero_offset_deg"]) for joint in found["joints"]}
+    for name, offset in true.items():
+        assert offsets[name] == pytest.approx(offset, abs=0.006)  # [rad], one tick is 0.005
+    assert offsets["right_shoulder_pitch"] == pytest.approx(0.0, abs=0.006)

@@ -11,6 +11,7 @@ time.monotonic, which processes of one computer share.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import os
@@ -209,6 +210,8 @@ def serve(setting: Setting, log: Path) -> None:
     sys.stdout.write(os.ttyname(slave) + "\n")
     sys.stdout.flush()
     line = Line(setting, log)
+    with contextlib.suppress(PermissionError):  # real servos do not wait for a busy computer
+        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
     while True:
         select.select([master], [], [])
         data = os.read(master, 4096)

@@ -6,8 +6,10 @@ the next, and the last goal goes out when the plan says.
 
 from __future__ import annotations
 
+import contextlib
+import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -66,3 +68,25 @@ class Pace:
             if left <= 0.0:
                 return None
             time.sleep(min(left, SLICE))
+
+
+@contextlib.contextmanager
+def real_time() -> Iterator[bool]:
+    """Run before all ordinary programs of this computer, if that is allowed; gives whether it is.
+
+    Linux alone has such a priority that programs can take, and lets root and users with the limit
+    `rtprio` take it. What runs so has to sleep most of the time.
+    """
+    if not hasattr(os, "sched_setscheduler"):
+        yield False
+        return
+    before = os.sched_getscheduler(0), os.sched_getparam(0)
+    try:
+        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
+    except OSError:
+        yield False
+        return
+    try:
+        yield True
+    finally:
+        os.sched_setscheduler(0, *before)

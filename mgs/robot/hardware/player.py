@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from mgs.core.arrays import Array
 from mgs.core.errors import HardwareError
 from mgs.robot.hardware.bus import Bus
 from mgs.robot.hardware.line import Line, Ticks, positions
-from mgs.robot.hardware.pacing import Jitter, Pace, jitter
+from mgs.robot.hardware.pacing import Jitter, Pace, jitter, real_time
 from mgs.robot.hardware.watch import Finding, Heard, StopAt, Watch
 
 REPEATS = 3  # of a packet that stops servos and that nobody confirms
@@ -25,6 +25,7 @@ class Played:
 
     n_goals: int
     jitter: Jitter
+    has_priority: bool  # whether the computer let goals go before other programs
     stopped: str | None  # why; None: all goals were sent
     stop_kind: str | None  # asked, late, lost, error, load, port
     stop_seconds: float  # from the finding until servos were told to hold, or have no torque
@@ -40,7 +41,8 @@ class Played:
         text = (
             f"{j.sent} of {self.n_goals} goals sent; late after their deadlines by "
             f"{1e3 * j.mean:.2f} ms on average, {1e3 * j.p99:.2f} ms in 99 % of cases, "
-            f"{1e3 * j.worst:.2f} ms at most; {j.missed} deadlines missed\n"
+            f"{1e3 * j.worst:.2f} ms at most; {j.missed} deadlines missed"
+            f"{'' if self.has_priority else '; no real-time priority'}\n"
             f"  {missed} of {asked} answers of servos missing or damaged"
         )
         if self.stopped is not None:
@@ -52,6 +54,7 @@ class Played:
         return {
             "goals": self.n_goals,
             "jitter": self.jitter.to_dict(),
+            "real_time": self.has_priority,
             "stopped": self.stopped,
             "stop_kind": self.stop_kind,
             "stop_seconds": self.stop_seconds,
@@ -139,34 +142,20 @@ def stream(
     bus.wait = line.wait(period)
     watch = Watch(bus, line, stop_at or StopAt(), at_once)
     pace = Pace(time.monotonic() + period, period)
-    late: list[float] = []
-    found, left_out, sent = None, 0, -1
-    try:
-        while found is None and sent < len(goals) - 1:
-            k = max(sent + 1, min(pace.current(), len(goals) - 1))
-            left_out += k - sent - 1
-            if (reason := pace.wait(k, stop)) is not None:
-                found = Finding("asked", 0, reason)
-                break
-            late.append(time.monotonic() - pace.due(k))
-            if late[-1] > watch.stop_at.most_late:
-                found = Finding("late", 0, f"a goal was {late[-1]:.2f} s late: computer too busy")
-                break
-            bus.write_all(line.table.goal, _by_servo(line, goals[k]))
-            sent = k
-            found = watch.look()
-    except HardwareError as error:
-        found = Finding("port", 0, str(error))
-    seconds, words = 0.0, None
-    if found is not None:
-        noticed = time.monotonic()
-        words = found.words
-        words += _stop(bus, line, goals[max(sent, 0)], found, off_when_stopped)
-        seconds = time.monotonic() - noticed
-        words += _named(bus, line, found)
+    with real_time() as has_priority:
+        sending = _send(watch, pace, goals, stop)
+        found = sending.found
+        seconds, words = 0.0, None
+        if found is not None:
+            noticed = time.monotonic()
+            last = goals[max(sending.sent, 0)]
+            words = found.words + _stop(bus, line, last, found, off_when_stopped)
+            seconds = time.monotonic() - noticed
+            words += _named(bus, line, found)
     return Played(
         n_goals=len(goals),
-        jitter=jitter(late, period, left_out),
+        jitter=jitter(sending.late, period, sending.left_out),
+        has_priority=has_priority,
         stopped=words,
         stop_kind=None if found is None else found.kind,
         stop_seconds=seconds,
@@ -175,6 +164,40 @@ def stream(
         start=pace.start,
         heard=tuple(watch.heard),
     )
+
+
+@dataclass(eq=False)
+class _Sending:
+    """Goals under way."""
+
+    late: list[float] = field(default_factory=list)  # [s]
+    left_out: int = 0
+    sent: int = -1  # last row
+    found: Finding | None = None
+
+
+def _send(watch: Watch, pace: Pace, goals: Ticks, stop: Callable[[], str | None]) -> _Sending:
+    """Send goals at their deadlines until there is a reason to stop."""
+    way, goal = _Sending(), watch.line.table.goal
+    try:
+        while way.found is None and way.sent < len(goals) - 1:
+            k = max(way.sent + 1, min(pace.current(), len(goals) - 1))
+            way.left_out += k - way.sent - 1
+            if (reason := pace.wait(k, stop)) is not None:
+                way.found = Finding("asked", 0, reason)
+                break
+            late = time.monotonic() - pace.due(k)
+            way.late.append(late)
+            if late > watch.stop_at.most_late:
+                words = f"a goal was {late:.2f} s late: the computer is too busy"
+                way.found = Finding("late", 0, words)
+                break
+            watch.bus.write_all(goal, _by_servo(watch.line, goals[k]))
+            way.sent = k
+            way.found = watch.look()
+    except HardwareError as error:
+        way.found = Finding("port", 0, str(error))
+    return way
 
 
 def torque_off(bus: Bus, line: Line) -> None:

@@ -59,9 +59,10 @@ def open_port(name: str, baud: int) -> Any:
 
         def readPort(self, length: int) -> Any:
             data = super().readPort(length)
-            if not data:
-                time.sleep(PAUSE)
-            return data
+            if data:
+                return data
+            time.sleep(PAUSE)  # on a busy computer longer, and the answer is there meanwhile
+            return super().readPort(length)
 
     if baud not in BAUDS:
         allowed = ", ".join(map(str, BAUDS))

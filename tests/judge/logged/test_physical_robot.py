@@ -23,12 +23,11 @@ from mgs.robot.unit import load_unit, write_unit
 from tests.support.physical_robot import Executed, Unit, drawn, execute
 
 TICK = 0.00511  # [rad] of the servos of melson
-SHORT_WALK = {"com__preview": 0.8, "walk__lead_in": 0.8, "walk__lead_out": 0.8, "walk__n_steps": 4}
 
 
 @functools.cache
 def motion(name: str) -> Motion:
-    settings = SHORT_WALK if "walk" in name else {}
+    settings = {"walk__n_steps": 4} if "walk" in name else {}
     return mgs.generate(gait=f"melson/{name}", **settings)
 
 
@@ -61,7 +60,7 @@ def identified(folder, seed: int) -> tuple[Unit, Corrections]:
 
 SHOWN = [
     pytest.param(name, seed, marks=[] if (name, seed) == ("sway", 1) else pytest.mark.slow)
-    for name in ("sway", "bow", "walk_practical")
+    for name in ("sway", "bow", "walk_5cm")
     for seed in (1, 2, 3, 4, 5)
 ]
 
