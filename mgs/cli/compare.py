@@ -169,7 +169,8 @@ def _row(joint: JointComparison) -> str:
     play = f"{np.degrees(fit.backlash):.2f}" if fit.knows_backlash else "-"
     stiffness = "-"
     if joint.stiffness is not None:
-        stiffness = f"{joint.stiffness:.4g} +-{joint.stiffness_error:.2g}"
+        error = joint.stiffness_error
+        stiffness = "maybe rigid" if error is None else f"{joint.stiffness:.4g} +-{error:.2g}"
     described = ""
     if joint.described_stiffness is not None:
         described = f"({joint.described_stiffness:.4g})"

@@ -24,6 +24,7 @@ from mgs.robot.unit import SLACK, JointCorrection, Unit, UnitSpec
 AROUND = 1.0  # [s] before and after a motion in which the robot rests
 FAR = np.radians(1.0)  # [rad] RMS between what a log says that joints were told, and these goals
 SAG = np.radians(5.0)  # [rad] at stall torque, uncertainty of the compliance of an unknown servo
+RIGID = 1e6  # [N m/rad] the largest stiffness of a file of a physical robot
 LARGEST = {"zero_offset": 1.0, "backlash": 0.5}  # [rad] of a file of a physical robot
 
 
@@ -41,12 +42,15 @@ class JointComparison:
     @property
     def stiffness(self) -> float | None:
         """Stiffness that was measured [N m/rad]; None: the log says too little of it."""
-        return 1.0 / self.fit.compliance if self.fit.knows_compliance else None
+        if not self.fit.knows_compliance:
+            return None
+        return 1.0 / max(self.fit.compliance, 1.0 / RIGID)
 
     @property
     def stiffness_error(self) -> float | None:
-        """Standard error of the measured stiffness [N m/rad]."""
-        if (stiffness := self.stiffness) is None:
+        """Standard error of the measured stiffness [N m/rad]; None: the joint may be rigid."""
+        stiffness = self.stiffness
+        if stiffness is None or self.fit.compliance <= 2.0 * self.fit.compliance_error:
             return None
         return self.fit.compliance_error * stiffness**2
 

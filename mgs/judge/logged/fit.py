@@ -134,7 +134,7 @@ def _fit(
     """Offset, compliance and half the play (3,); errors; RMS left; which of the last two are known.
 
     What stays uncertain, or would be negative, is put back to what was known before, and the rest
-    is fitted again.
+    is fitted again; but a compliance that is negative for certain is 0.
     """
     command, load, side = curves.at(times)
     A = np.stack([np.ones_like(load), -load, -side], axis=1)
@@ -142,7 +142,7 @@ def _fit(
     mean = np.array([0.0, prior.compliance, 0.0])
     before = np.array([OFFSET, prior.uncertainty, 0.5 * BACKLASH])
     share = min(1.0, max(float(np.ptp(times)) / MEMORY, 3.0) / len(y))  # of independent samples
-    free = np.array([True, True, True])
+    free, rigid = np.array([True, True, True]), False
     while True:
         values, errors, left = _most_probable(A, y, mean, before, free, share)
         doubt = np.where(values < 0.0, np.inf, errors / before)
@@ -150,8 +150,10 @@ def _fit(
         doubt[~free] = 0.0
         worst = int(doubt.argmax())
         if doubt[worst] <= LEARNED:
-            return values, errors, left, (bool(free[1]), bool(free[2]))
+            return values, errors, left, (bool(free[1]) or rigid, bool(free[2]))
         free[worst] = False
+        if worst == 1 and values[1] < 0.0 and errors[1] <= LEARNED * before[1]:
+            mean[1], rigid = 0.0, True
 
 
 def _most_probable(

@@ -132,6 +132,20 @@ def test_a_joint_that_turns_the_other_way_is_told(squat):
     assert unit_spec(found, squat, "x", "").joints["left_knee_pitch"].sign == -1
 
 
+def test_joints_that_do_not_give_way_are_rigid_and_not_as_described(squat):
+    """Servos that reach their goals whatever they carry; the zeros are still found."""
+    true = truth(squat, 11)
+    stiff = dataclasses.replace(true, stiffness=1e9 * true.stiffness, backlash=0.0 * true.backlash)
+    found = compare_log(squat, logged(squat, stiff, 100.0, 0.0), start=0.0)
+    spec = unit_spec(found, squat, "rigid", "")
+    for name in ("left_knee_pitch", "right_knee_pitch"):  # which carry most
+        j = squat.robot.joint_names.index(name)
+        joint = next(joint for joint in found.joints if joint.name == name)
+        assert joint.fit.zero_offset == pytest.approx(true.offset[j], abs=np.radians(0.1))
+        assert spec.joints[name].stiffness > 20.0 * servos_of(squat.robot).stiffness[j]
+        assert joint.to_dict()["stiffness_error"] is None
+
+
 def test_joints_that_are_missing_or_unknown_are_told(squat):
     log = logged(squat, truth(squat, 6), 100.0, 0.0)
     names = ("a_jaw", *log.names[1:])
