@@ -21,7 +21,7 @@ from mgs.motion_file import motion_bytes
 from mgs.pipeline.request import generate
 from tests.fuzz.case import Case
 from tests.fuzz.changes import changed_bytes, changed_text, changed_tree, changed_yaml, shipped
-from tests.fuzz.robots import changed_urdf, robot, urdf
+from tests.fuzz.robots import changed_urdf, mjcf, robot, urdf
 from tests.support.rewriting import rewritten
 
 GAITS = [f"{robot}/{name}.yaml" for robot, name in (
@@ -159,6 +159,7 @@ KINDS: dict[str, Callable[[random.Random], Case]] = {
     "gait": gait,
     "robot": robot,
     "urdf": urdf,
+    "mjcf": mjcf,
     "sweep": sweep,
     "table": table,
     "motion file": motion_file,

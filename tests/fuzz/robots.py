@@ -21,13 +21,17 @@ from xml.etree import ElementTree
 import yaml
 
 from tests.fuzz.case import Case
-from tests.fuzz.changes import changed_text, changed_yaml, shipped
+from tests.fuzz.changes import changed_bytes, changed_text, changed_yaml, shipped
+from tests.support.mjcf_biped import CUBE
+from tests.support.mjcf_biped import mjcf as sound_mjcf
 
 ROBOTS = ("melson", "coman")
 NUMBERS = ["0", "-1", "1e308", "1e-320", "nan", "inf", "nan nan nan", "0 0 0", "1 2", "", "${a}"]
 NAMES = ["world", "base", "root_joint", "universe", "\x85", "a" * 3000, "ÿ", " ", "$x^{$", "a b"]
 RAW = [*NUMBERS, *NAMES, "&#27;[31m", "&#xd7ff;", "&lt;", "&a;"]  # in the text of an attribute
 KINDS_OF_JOINT = ["fixed", "revolute", "continuous", "prismatic", "floating", "planar", "screw"]
+KEY = f'<keyframe><key name="home" qpos="0 0 0.9 1 0 0 0 {"0 " * 19}"/></keyframe>'
+EQUALITIES = ["", '<joint joint1="left_knee" joint2="right_knee"/>']
 MOVING = {"revolute", "continuous", "prismatic", "floating", "planar"}
 RAISED = re.compile("raised from ([^ ]+) kg to ([^ ]+) kg")
 SAME_MASS = 1e-6  # largest relative difference: sums in another order
@@ -38,6 +42,17 @@ def urdf(rng: random.Random) -> Case:
     text = changed_urdf(shipped("robots", f"{rng.choice(ROBOTS)}/robot.urdf"), rng)
     command = ("robot", "init", "a.urdf", "-o", "out", "--json")
     return Case("urdf", {"a.urdf": text.encode("utf-8", "replace")}, command)
+
+
+def mjcf(rng: random.Random) -> Case:
+    """An MJCF, or a mesh that belongs to it, of which a robot is to be made."""
+    text, mesh = sound_mjcf(KEY, rng.choice(EQUALITIES)), CUBE.encode()
+    if rng.random() < 0.1:
+        mesh = changed_bytes(mesh, rng)
+    else:
+        text = changed_urdf(text, rng)
+    files = {"a.xml": text.encode("utf-8", "replace"), "foot.obj": mesh}
+    return Case("mjcf", files, ("robot", "init", "a.xml", "-o", "out", "--json"))
 
 
 def robot(rng: random.Random) -> Case:

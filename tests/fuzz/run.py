@@ -40,7 +40,7 @@ def tried(case: Case, folder: Path) -> tuple[Ending, str]:
         problem = f"left {', '.join(sorted(left)[:3])}"
     if not problem and "--json" in case.command and ending.stdout and not _is_json(ending.stdout):
         problem = "no valid JSON"
-    if not problem and case.kind == "urdf" and ending.code == 1:
+    if not problem and case.kind in ("urdf", "mjcf") and ending.code == 1:
         problem = "exit code 1 from a malformed robot"
     if not problem and case.kind in ("urdf", "robot") and ending.code == 0:
         problem = dropped(case, ending.stdout, work)
