@@ -311,5 +311,7 @@ def _print_verdict(verdict: Verdict) -> None:
         say("no replay in physics: falling was not checked")
     for missing in verdict.engines_missing:
         say(missing)
+    if verdict.guesses:
+        say(f"rests on values in robot.yaml that were guessed: {', '.join(verdict.guesses)}")
     failed = verdict.failed
     say(bad(f"FAIL: {', '.join(failed)}") if failed else good("PASS"))

@@ -126,6 +126,7 @@ def validate(
         engines_missing=missing_engines(),
         energy=energy_of(motion),
         left_out=checks_left_out(motion),
+        guesses=tuple(motion.robot.spec.guesses),
     )
     if not servo_sweep:
         return verdict

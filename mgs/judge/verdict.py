@@ -42,6 +42,7 @@ class Verdict:
     engines_missing: tuple[MissingEngine, ...] = ()  # engines that are not installed
     energy: Energy | None = None  # of the plan; None: its torques are not known
     left_out: tuple[str, ...] = ()  # checks that are not made, since there is no plan to follow
+    guesses: tuple[str, ...] = ()  # keys of robot.yaml whose values were guessed
 
     @property
     def passed(self) -> bool:
@@ -93,6 +94,7 @@ class Verdict:
             "verdict": "pass" if self.passed else "fail",
             "checks": [check.to_dict() for check in self.checks],
             "checks_left_out": list(self.left_out),
+            "guesses": list(self.guesses),
             "energy": None if self.energy is None else self.energy.to_dict(),
             "servo": self.servo,
             "physics": list(self.engines),  # empty: static checks alone

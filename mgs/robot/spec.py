@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, field_validator
 
 from mgs.core.config import FormatVersion, Model, build
 from mgs.core.yaml_text import parse_yaml
@@ -130,6 +130,19 @@ class RobotSpec(Model):
         description="Pairs of links that are excluded from collision checks; adjacent links are "
         "always excluded.",
     )
+    guesses: list[str] = Field(
+        [],
+        description="Keys of this file whose values mgs robot init has guessed, such as soles or "
+        "servos.NAME.stall_torque. Verdicts name them; remove a key once its value is confirmed.",
+    )
+
+    @field_validator("guesses")
+    @classmethod
+    def _are_keys(cls, keys: list[str]) -> list[str]:
+        for key in keys:
+            if key.partition(".")[0] not in cls.model_fields:
+                raise ValueError(f"{key!r} is not a key of this file")
+        return keys
 
 
 def parse_spec(yaml_text: str, source: str | Path) -> RobotSpec:

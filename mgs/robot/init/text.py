@@ -39,7 +39,8 @@ class Draft:
 
 def robot_yaml(draft: Draft) -> str:
     """Text of robot.yaml; every line with a guessed value is marked."""
-    return "\n".join([*_head(draft), *_posture(draft), *_servos(draft), *_tail(draft)]) + "\n"
+    parts = [_head(draft), _posture(draft), _servos(draft), _tail(draft), _guesses(draft)]
+    return "\n".join(line for lines in parts for line in lines) + "\n"
 
 
 def _head(draft: Draft) -> list[str]:
@@ -149,6 +150,21 @@ def _tail(draft: Draft) -> list[str]:
         return [*lines, "ignore_collisions: []"]
     lines.append("ignore_collisions:  # guess: the shapes touch in or near the posture")
     return [*lines, *(f"  - [{word(a)}, {word(b)}]" for a, b in draft.ignored)]
+
+
+def _guesses(draft: Draft) -> list[str]:
+    """Keys of guessed values on which verdicts rest."""
+    motors = [j for j in _moving(draft) if j not in draft.skeleton.followers]
+    names = _servo_names(draft.figures[joint] for joint in motors)
+    keys = ["torso", "soles", *(["hands"] if draft.hands is not None else []), "posture"]
+    keys += [f"servos.{name}.{key}" for servo, name in names.items() for key in servo.guessed]
+    keys += ["limits"] if _limits(draft) else []
+    keys += ["locked"] if draft.anatomy.locked else []
+    keys += ["ignore_collisions"] if draft.ignored else []
+    return [
+        "guesses:  # named by verdicts; remove a key once its value is confirmed",
+        *(f"  - {key}" for key in keys),
+    ]
 
 
 def groups(anatomy: Anatomy) -> dict[str, list[int]]:

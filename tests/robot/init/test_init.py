@@ -17,8 +17,9 @@ from mgs.core.errors import ConfigError, OutputExistsError
 from mgs.core.shipped import shipped_folder
 from mgs.gait import load_gait
 from mgs.judge.motion_checks import check_motion
+from mgs.judge.validate import validate
 from mgs.pipeline import run_stages
-from mgs.robot import Robot, load_robot
+from mgs.robot import Robot, build_robot, load_robot
 from mgs.robot.init import DraftFolder, init_robot, write_robot
 from mgs.robot.soundness import check_robot
 from tests.support.bipeds import FULL_LEG, Biped
@@ -221,6 +222,20 @@ def test_physically_impossible_inertias_are_corrected(tmp_path: Path):
     for inertia in draft.robot.model.inertias[1:]:
         low, middle, high = np.linalg.eigvalsh(inertia.inertia)
         assert inertia.mass > 0.0 and low > 0.0 and low + middle >= high * (1.0 - 1e-9)
+
+
+def test_verdicts_name_the_guesses_that_they_rest_on_until_they_are_confirmed(tmp_path: Path):
+    draft = drafted(Biped(effort=0.0), tmp_path)
+    guesses = draft.robot.spec.guesses
+    assert {"soles", "posture", "hands", "limits"} <= set(guesses)
+    assert any(re.fullmatch(r"servos\..+\.stall_torque", key) for key in guesses)
+    motion = run_stages(draft.robot, load_gait("walk"), "walk").motion
+    verdict = validate(motion, physics="none")
+    assert list(verdict.guesses) == verdict.to_dict()["guesses"] == guesses
+    confirmed = re.sub(r"^guesses:.*", "", draft.yaml, flags=re.DOTALL | re.MULTILINE)
+    assert build_robot(confirmed, draft.urdf, "robot.yaml").spec.guesses == []
+    with pytest.raises(ConfigError, match=r"guesses.*'sole' is not a key of this file"):
+        build_robot(draft.yaml + "  - sole\n", draft.urdf, "robot.yaml")
 
 
 def test_a_motor_that_turns_two_joints_of_a_leg_does_so_in_the_walk(tmp_path: Path):
