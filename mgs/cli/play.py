@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mgs.cli import play_text
 from mgs.cli.common import (
     FiniteRange,
     force_option,
     json_option,
     motion_argument,
-    print_json,
     say,
 )
 from mgs.cli.stop_wish import stop_wish
@@ -152,7 +152,7 @@ def play(ctx: click.Context, /, file: Path, as_json: bool, **options: Any) -> No
     """  # noqa: D301
     plan = _plan(file, **options)
     if options["dry_run"]:
-        _print_dry_run(plan, as_json)
+        play_text.print_dry_run(plan, as_json)
         return
     ctx.exit(_play(plan, as_json, options))
 
@@ -184,26 +184,6 @@ def _plan(
     return Plan(file, motors, goals, motors.to_ticks(goals.position))
 
 
-def _print_dry_run(plan: Plan, as_json: bool) -> None:
-    import numpy as np
-
-    ticks, rate = plan.ticks, plan.goals.rate
-    speed = np.abs(np.diff(ticks, axis=0)).max(axis=0, initial=0) * rate
-    fastest = np.degrees(speed * plan.motors.resolution)
-    if as_json:
-        print_json(plan.to_dict() | {"dry_run": True, "ticks": ticks.tolist()})
-        return
-    say(f"dry run, nothing is sent\n{plan.words}")
-    width = max(map(len, plan.motors.joint_names))
-    say(f"{'joint':<{width}}   id  first   last lowest highest  fastest [deg/s]")
-    for i, (name, servo) in enumerate(zip(plan.motors.joint_names, plan.motors.ids, strict=True)):
-        row = ticks[:, i]
-        say(
-            f"{name:<{width}} {servo:>4} {row[0]:>6} {row[-1]:>6} {row.min():>6} {row.max():>7} "
-            f"{fastest[i]:>8.0f}"
-        )
-
-
 def _play(plan: Plan, as_json: bool, options: dict[str, Any]) -> int:
     """Play on the port; the exit code."""
     from mgs.core.errors import ConfigError
@@ -216,7 +196,8 @@ def _play(plan: Plan, as_json: bool, options: dict[str, Any]) -> int:
     wish = _wish(plan, options)
     with Bus(options["port"], options["baud"], protocol) as bus:
         situation = look_around(bus, plan.motors.ids, plan.ticks, wish)
-        text = _situation_words(plan, situation, options)
+        _refuse_other_servos(plan, situation)
+        text = play_text.situation_words(plan, situation, options)
         say(text, err=as_json)
         if not options["yes"] and not click.confirm("Go on?", err=as_json):
             say("nothing was sent to the servos", err=as_json)
@@ -226,7 +207,7 @@ def _play(plan: Plan, as_json: bool, options: dict[str, Any]) -> int:
             result = perform(bus, situation, plan.ticks, wish, stop)
     if options["log_file"] is not None and result.motion is not None:
         _write_log(plan, situation, result, options["log_file"], options["force"])
-    _report(plan, result, situation, as_json)
+    play_text.report(plan, result, situation, as_json)
     return 0 if result.stopped is None else 1
 
 
@@ -254,6 +235,21 @@ def _protocol(plan: Plan, wanted: str | None) -> int:
     return protocols[0]
 
 
+def _refuse_other_servos(plan: Plan, situation: Situation) -> None:
+    """Raise ConfigError if servos on the line are not of the series that the motors say."""
+    from mgs.core.errors import ConfigError
+
+    table = situation.line.table
+    for name, register in zip(plan.motors.joint_names, plan.motors.registers, strict=True):
+        if register is not None and register.address != table.goal.address:
+            raise ConfigError(
+                "motors",
+                f"the goal of {name} is at address {register.address}, but servos on the line have "
+                f"the control table of {table.name}, with the goal at {table.goal.address}; "
+                "correct the model of the motors",
+            )
+
+
 def _wish(plan: Plan, options: dict[str, Any]) -> Wish:
     import numpy as np
 
@@ -271,30 +267,6 @@ def _wish(plan: Plan, options: dict[str, Any]) -> Wish:
     )
 
 
-def _situation_words(plan: Plan, situation: Situation, options: dict[str, Any]) -> str:
-    import numpy as np
-
-    line = situation.line
-    gap = np.degrees(np.abs(situation.gap) * plan.motors.resolution)
-    worst = int(gap.argmax())
-    lines = [
-        plan.words,
-        f"{len(line.servos)} servos answer on {options['port']}, {1e3 * line.answer:.2f} ms each; "
-        f"{line.at_once(1.0 / plan.goals.rate)} of them are watched in a period; lowest voltage "
-        f"{line.voltage:.1f} V",
-        *(f"warning: {warning}" for warning in line.warnings),
-        f"farthest from the first posture: {plan.motors.joint_names[worst]}, {gap[worst]:.1f} deg",
-    ]
-    if situation.approach_seconds:
-        lines.append(
-            f"the robot goes there in {situation.approach_seconds:.1f} s, at most "
-            f"{options['approach_deg']:g} deg/s"
-        )
-    stop = "hold" if options["on_stop"] == "hold" else "lose their torque"
-    lines.append(f"when stopped, servos {stop}; hang the robot up or hold it")
-    return "\n".join(lines)
-
-
 def _write_log(plan: Plan, situation: Situation, result: Result, path: Path, force: bool) -> None:
     import numpy as np
 
@@ -307,24 +279,3 @@ def _write_log(plan: Plan, situation: Situation, result: Result, path: Path, for
     last_sent = np.clip((times * plan.goals.rate).astype(np.intp), 0, len(plan.ticks) - 1)
     told = plan.motors.to_angles(plan.ticks[last_sent])
     write_joint_log(path, plan.motors.joint_names, times, angles, told, force=force)
-
-
-def _report(plan: Plan, result: Result, situation: Situation, as_json: bool) -> None:
-    parts = {"approach": result.approach, "motion": result.motion}
-    if as_json:
-        print_json(
-            plan.to_dict()
-            | {
-                "stopped": result.stopped,
-                "torque": result.holds,
-                "answer_seconds": situation.line.answer,
-                "voltage": situation.line.voltage,
-                "warnings": list(situation.line.warnings),
-                **{name: None if part is None else part.to_dict() for name, part in parts.items()},
-            }
-        )
-        return
-    for name, part in parts.items():
-        if part is not None:
-            say(f"{name}: {part.words}")
-    say("servos hold their posture" if result.holds else "servos have no torque")

@@ -174,6 +174,18 @@ def test_a_robot_without_motors_and_motors_of_another_maker_are_refused(tmp_path
     assert (result.exit_code, "Dynamixel servos, and not" in result.stderr) == (2, True)
 
 
+def test_servos_of_another_series_than_the_motors_say_are_refused(tmp_path, walk):
+    """XL-320 in place of XM430, with limits wide enough for the goals."""
+    motors, servos = motors_file(tmp_path, walk, "XM430"), tuple(range(1, 20))
+    wide = {f"{servo}:8:2": 4095 for servo in servos}
+    with simulated_bus(tmp_path, Setting(servos=servos, model=350, registers=wide)) as bus:
+        result = run(
+            "play", walk, "--port", bus.port, "--motors", motors, "--rate", RATE, "--yes"
+        )  # fmt: skip
+        assert (result.exit_code, "control table of XL-320" in result.stderr) == (2, True)
+        assert bus.writes() == []
+
+
 @pytest.mark.parametrize("how", ["key", "ctrl-c"])
 def test_a_key_or_ctrl_c_stops_within_50_ms(tmp_path, walk, how):
     """The process has a terminal of its own; the servos' log says when they were told to hold."""
