@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,50 +15,11 @@ from mgs.cli.common import (
     motion_argument,
     say,
 )
+from mgs.cli.play_text import Plan
 from mgs.cli.stop_wish import stop_wish
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from mgs.motion.goals import Goals
     from mgs.robot.hardware.session import Result, Situation, Wish
-    from mgs.robot.motors import Motors
-
-    Ticks = NDArray[np.int64]
-
-
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """What servos of a robot are to be told."""
-
-    file: Path
-    motors: Motors
-    goals: Goals
-    ticks: Ticks  # (K, n)
-
-    @property
-    def words(self) -> str:
-        """What is sent, in one line."""
-        goals = self.goals
-        unit = "" if goals.unit is None else f", corrected for {goals.unit}"
-        return (
-            f"{len(self.ticks)} goals of {len(self.motors.ids)} servos at {goals.rate:g} Hz, "
-            f"{goals.times[-1]:.2f} s: {goals.kind} joint angles{unit}"
-        )
-
-    def to_dict(self) -> dict[str, object]:
-        """Plain dict for JSON, without the goals."""
-        return {
-            "file": str(self.file),
-            "goals": self.goals.kind,
-            "unit": self.goals.unit,
-            "rate": self.goals.rate,
-            "samples": len(self.ticks),
-            "duration": float(self.goals.times[-1]),
-            "joints": list(self.motors.joint_names),
-            "servos": list(self.motors.ids),
-        }
 
 
 @click.command()

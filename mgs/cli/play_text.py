@@ -1,14 +1,55 @@
-"""What mgs play prints: the plan of a dry run, the servos that were found, the report."""
+"""What mgs play is about to send, and what it prints: a dry run, the servos found, the report."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mgs.cli.common import print_json, say
 
 if TYPE_CHECKING:
-    from mgs.cli.play import Plan
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from mgs.motion.goals import Goals
     from mgs.robot.hardware.session import Result, Situation
+    from mgs.robot.motors import Motors
+
+    Ticks = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What servos of a robot are to be told."""
+
+    file: Path
+    motors: Motors
+    goals: Goals
+    ticks: Ticks  # (K, n)
+
+    @property
+    def words(self) -> str:
+        """What is sent, in one line."""
+        goals = self.goals
+        unit = "" if goals.unit is None else f", corrected for {goals.unit}"
+        return (
+            f"{len(self.ticks)} goals of {len(self.motors.ids)} servos at {goals.rate:g} Hz, "
+            f"{goals.times[-1]:.2f} s: {goals.kind} joint angles{unit}"
+        )
+
+    def to_dict(self) -> dict[str, object]:
+        """Plain dict for JSON, without the goals."""
+        return {
+            "file": str(self.file),
+            "goals": self.goals.kind,
+            "unit": self.goals.unit,
+            "rate": self.goals.rate,
+            "samples": len(self.ticks),
+            "duration": float(self.goals.times[-1]),
+            "joints": list(self.motors.joint_names),
+            "servos": list(self.motors.ids),
+        }
 
 
 def print_dry_run(plan: Plan, as_json: bool) -> None:
