@@ -71,6 +71,8 @@ def generate(
       mgs generate my_walk.yaml -o walk.mcap --set walk.n_steps=30 --set ik.gamma_joint=0
     """  # noqa: D301
     started = time.perf_counter()
+    from dataclasses import asdict
+
     from mgs.cli.verdict_text import line
     from mgs.core.atomic_files import refuse_taken
     from mgs.judge.motion_checks import check_motion
@@ -91,9 +93,12 @@ def generate(
     failed = [check for check in check_motion(motion) if not check.ok]
     if as_json:
         failures = [check.to_dict() for check in failed]
-        print_json(_summary(path, motion, seconds) | {"failed_checks": failures})
+        fit = None if made.fit is None else asdict(made.fit) | {"reserve": made.fit.has_reserve}
+        print_json(_summary(path, motion, seconds) | {"fit": fit, "failed_checks": failures})
     else:
         _print_summary(path, motion, seconds)
+        if made.fit is not None:
+            say(f"  fit       {made.fit}")
         for check in failed:
             say(f"  {line(check)}")
     ctx.exit(1 if failed and strict else 0)

@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from mgs.core.arrays import Array
@@ -34,11 +33,12 @@ from mgs.core.scene import ground_below
 from mgs.core.spans import spans
 from mgs.judge.wrench_feasibility import missing_wrenches
 from mgs.motion import Motion
+from mgs.motion.collisions import first_contact
 from mgs.motion.dynamics import WholeBodyMotion, analyse, contact_wrenches
+from mgs.motion.joint_load import available_torque, lasting_torque, step_speeds
 from mgs.robot.support_polygon import support_polygon
 
 CONTACT_TOLERANCE = 5e-4  # [m] a sole in support may move, sink or float
-RMS_TORQUE_RATIO = 0.3  # of stall torque; stall is no continuous rating
 REST_SPEED = 0.05  # [rad/s] of a joint at the first and last sample
 ANGLE_ROUNDING = 1e-9  # [rad]
 # checks of how well soles, hands, torso and CoM follow their plan
@@ -78,7 +78,7 @@ def check_motion(
     body = analyse(motion.robot, motion.q, motion.dt, load_left, motion.payload)
     double = motion.support[:, None] == Support.DOUBLE
     torque = np.where(double, motion.torque, body.torque)
-    speed = np.abs(np.diff(motion.q[:, FLOATING_BASE_NQ:], axis=0)) / motion.dt
+    speed = step_speeds(motion)
     if not motion.gait.is_balanced:  # nothing is known of what bears the robot on the way
         return [
             joint_position(motion),
@@ -163,15 +163,14 @@ def _joint_speed(motion: Motion, speed: Array) -> Check:
 def _joint_torque(motion: Motion, body: WholeBodyMotion, torque: Array) -> Check:
     """Torque against the speed-torque line; a servo that brakes has its stall torque."""
     robot, speed = motion.robot, body.v[:, FLOATING_BASE_NV:]
-    line = 1.0 - np.abs(speed) / robot.no_load_speed
-    available = np.where(torque * speed > 0.0, np.maximum(line, 1e-9), 1.0) * robot.torque_limit
+    available = available_torque(robot, torque, speed)
     return _worst_joint(motion, "joint_torque", np.abs(torque), available, "N m")
 
 
 def _joint_torque_rms(motion: Motion, torque: Array) -> Check:
     robot = motion.robot
     rms = np.sqrt(np.mean(torque**2, axis=0))
-    allowed = RMS_TORQUE_RATIO * robot.torque_limit
+    allowed = lasting_torque(robot)
     j = int(np.argmax(rms / allowed))
     return Check(
         "joint_torque_rms",
@@ -220,35 +219,12 @@ def contact_forces(motion: Motion, body: WholeBodyMotion) -> list[Check]:
     ]
 
 
-def _touching(motion: Motion, k: int) -> str:
-    """Names of the first two links that touch at sample k."""
-    robot, geometry = motion.robot, motion.robot.geometry
-    found = geometry.createData()
-    pin.computeCollisions(robot.model, robot.model.createData(), geometry, found, motion.q[k], True)
-    hit = next(i for i, result in enumerate(found.collisionResults) if result.isCollision())
-    pair = geometry.collisionPairs[hit]
-    return " and ".join(
-        robot.model.frames[geometry.geometryObjects[i].parentFrame].name
-        for i in (pair.first, pair.second)
-    )
-
-
 def _self_collision(motion: Motion, progress: Progress | None, step: int) -> Check:
     """First of every `step`-th sample at which two bodies touch that may not."""
-    robot = motion.robot
-    data, geometry = robot.model.createData(), robot.geometry
-    geometry_data = geometry.createData()
-    # A tree of bounding boxes leaves few pairs to look at and is ten times as fast as all pairs.
-    tree = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(
-        robot.model, geometry, geometry_data
-    )
-    for k in range(0, motion.n_samples, step):
-        if progress is not None and k % 500 < step:
-            progress(k, motion.n_samples)
-        if pin.computeCollisions(robot.model, data, tree, motion.q[k], True):
-            where = _touching(motion, k)
-            return Check("self_collision", False, 1.0, 0.0, "contacts", k * motion.dt, where)
-    return Check("self_collision", True, 0.0, 0.0, "contacts", None, "")
+    found = first_contact(motion.robot, motion.q, step, progress)
+    if found is None:
+        return Check("self_collision", True, 0.0, 0.0, "contacts", None, "")
+    return Check("self_collision", False, 1.0, 0.0, "contacts", found[0] * motion.dt, found[1])
 
 
 def _corners_in_world(motion: Motion, soles: Array) -> Array:

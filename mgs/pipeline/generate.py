@@ -6,18 +6,20 @@ from dataclasses import dataclass
 
 from mgs.core.progress import Progress
 from mgs.core.short_repr import short_repr
-from mgs.gait import Gait, SequenceGait
+from mgs.gait import Gait, SequenceGait, WalkGait
 from mgs.motion import Motion
+from mgs.pipeline.fit import Fit, fit_walk
 from mgs.pipeline.stages import run_stages
 from mgs.robot import Robot
 
 
 @dataclass(frozen=True, eq=False)
 class Generated:
-    """A motion and the wall time of each stage [s]."""
+    """A motion, the wall time of each stage [s], and what was tried to fit it to the robot."""
 
     motion: Motion
     seconds: dict[str, float]
+    fit: Fit | None = None  # None: the gait states its sizes
 
     __repr__ = short_repr
 
@@ -26,6 +28,9 @@ def generate(
     robot: Robot, gait: Gait, name: str = "gait", progress: Progress | None = None
 ) -> Generated:
     """The motion of any gait: of the four stages, or of those of each part of a sequence.
+
+    Sizes that a walk leaves to the robot are chosen so that its joints have reserve
+    (`mgs.pipeline.fit`); those in the parts of a sequence are as derived from the leg length.
 
     Args:
         robot: the robot.
@@ -42,5 +47,8 @@ def generate(
         from mgs.pipeline.sequence import generate_sequence  # one gait needs no seams
 
         return Generated(*generate_sequence(robot, gait, name, progress))
+    if isinstance(gait, WalkGait) and gait.walk.sizes != "given":
+        stages, fit = fit_walk(robot, gait, name, progress)
+        return Generated(stages.motion, stages.seconds, fit)
     stages = run_stages(robot, gait, name, progress)
     return Generated(stages.motion, stages.seconds)
