@@ -110,8 +110,9 @@ def check(ctx: click.Context, name: str, as_json: bool) -> None:
     """Check a robot folder for errors.
 
     NAME_OR_DIR is the name of a shipped robot or a robot folder. The checks cover inertias, legs,
-    symmetry, joint limits, soles, balance and collisions in the half-sitting posture. Each failed
-    check is printed with a remedy. Exit code 1 if a check fails.
+    symmetry, joint limits, soles, balance and collisions in the half-sitting posture. If all of
+    them pass, every installed physics engine loads the robot, and two steps of the default walk are
+    planned and checked. Each failed check is printed with a remedy. Exit code 1 if a check fails.
 
     \b
     Example:
@@ -121,8 +122,12 @@ def check(ctx: click.Context, name: str, as_json: bool) -> None:
 
     from mgs.robot import load_robot
     from mgs.robot.soundness import check_robot
+    from mgs.search.first_steps import check_use
 
-    findings = check_robot(load_robot(name))
+    model = load_robot(name)
+    findings = check_robot(model)
+    if all(finding.ok for finding in findings):
+        findings += check_use(model)
     if as_json:
         print_json({"robot": name, "findings": [asdict(finding) for finding in findings]})
     else:

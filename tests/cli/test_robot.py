@@ -24,6 +24,8 @@ FINDINGS = [
     "balance",
     "strength",
     "collisions",
+    "engines",
+    "first_steps",
 ]
 
 
