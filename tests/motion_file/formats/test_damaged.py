@@ -11,10 +11,12 @@ from mgs.core.errors import InputError, MgsError
 from mgs.motion import Motion
 from mgs.motion_file.export import export_motion
 from mgs.motion_file.formats import FORMATS, RecordedMotion
+from tests.support.bus_robots import motion_for
 from tests.support.formats import needs_library
 from tests.support.shipped import generated
 
 TIMES = 60
+RATES = {"locomujoco": 7.0, "op3-action": 125.0}  # [Hz] that differ from 5 Hz
 READABLE = [name for name, found in FORMATS.items() if found.readable]
 
 
@@ -43,7 +45,8 @@ def damaged(data: bytes, chance: random.Random) -> bytes:
 @pytest.mark.parametrize("fmt", needs_library(READABLE))
 def test_a_damaged_file_is_read_or_refused(motion: Motion, fmt: str, tmp_path: Path):
     path = tmp_path / "a"
-    export_motion(motion, path, fmt, fps=5.0 if fmt != "locomujoco" else 7.0)
+    export_motion(motion_for(fmt, motion), path, fmt, fps=RATES.get(fmt, 5.0))
+    robot = motion_for(fmt, motion).robot
     files = [path] if path.is_file() else [p for p in sorted(path.rglob("*")) if p.is_file()]
     chance = random.Random(fmt)
     refused = 0
@@ -54,7 +57,7 @@ def test_a_damaged_file_is_read_or_refused(motion: Motion, fmt: str, tmp_path: P
         head = chance.choice([200, 2000, len(whole)])
         file.write_bytes(damaged(whole[:head], chance) + whole[head:])
         try:
-            assert isinstance(FORMATS[fmt].read(path), RecordedMotion)
+            assert isinstance(FORMATS[fmt].read(path, robot), RecordedMotion)
         except MgsError as error:
             refused += 1
             assert isinstance(error, InputError)

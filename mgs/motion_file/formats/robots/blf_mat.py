@@ -12,10 +12,12 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from mgs.core.foreign import told_as
+from mgs.core.errors import MotionFileError
+from mgs.core.foreign import described, told_as
 from mgs.core.input_files import read_bytes
 from mgs.core.limits import MAX_RECORDING
 from mgs.motion.sampled import SampledMotion
@@ -48,23 +50,22 @@ def write(sampled: SampledMotion, path: Path, options: Options) -> Written:
 def read(path: Path, robot: Robot | None = None) -> RecordedMotion:
     """Motion of the matrix; names and rate are known if mgs wrote the file."""
     del robot
-    from scipy.io import loadmat, whosmat
-
     reading = Reading(path)
     data = io.BytesIO(read_bytes(path, MAX_RECORDING, "a MATLAB file"))
-    with told_as(lambda reason: reading.error(f"not a MATLAB file of level 5: {reason}")):
-        shapes = {name: shape for name, shape, _ in whosmat(data)}
-        if DOUBLE * np.prod(shapes.get("traj", (0,)), dtype=float) > MAX_RECORDING:
-            raise reading.error(f"traj is larger than {MAX_RECORDING // 1_000_000} MB")
-        data.seek(0)
-        found = loadmat(data, variable_names=["traj", "joints_list", "sampling_time"])
+
+    def failed(reason: str) -> MotionFileError:
+        return reading.error(f"not a MATLAB file of level 5: {reason}")
+
+    try:
+        with told_as(failed):
+            found = _variables(reading, data)
+            listed = _texts(found.get("joints_list"))
+    except OSError as error:  # SciPy's own, where bytes are missing
+        raise failed(described(error)) from error
     joints = reading.array("traj", found.get("traj"), None, None)
-    names = None
-    if "joints_list" in found:
-        cells = np.asarray(found["joints_list"]).reshape(-1).tolist()
-        names = reading.names("joints_list", [str(cell[0]) for cell in cells if np.size(cell)])
-        if len(names) != joints.shape[1]:
-            raise reading.error("joints_list and traj have different numbers of joints")
+    names = None if listed is None else reading.names("joints_list", listed)
+    if names is not None and len(names) != joints.shape[1]:
+        raise reading.error("joints_list and traj have different numbers of joints")
     time = found.get("sampling_time")
     return RecordedMotion(
         layout="blf-mat",
@@ -73,3 +74,23 @@ def read(path: Path, robot: Robot | None = None) -> RecordedMotion:
         order=None,
         joints=joints,
     )
+
+
+def _texts(cells: Any) -> list[str] | None:
+    """Texts of a cell array, or of an array of texts; None: there is none."""
+    if cells is None:
+        return None
+    found = [np.asarray(cell).reshape(-1) for cell in np.asarray(cells).reshape(-1).tolist()]
+    return [str(text[0]) for text in found if text.size]
+
+
+def _variables(reading: Reading, data: io.BytesIO) -> dict[str, Any]:
+    """Variables of the file that a motion may have, if they are not too large."""
+    from scipy.io import loadmat, whosmat
+
+    shapes = {name: shape for name, shape, _ in whosmat(data)}
+    if DOUBLE * np.prod(shapes.get("traj", (0,)), dtype=float) > MAX_RECORDING:
+        raise reading.error(f"traj is larger than {MAX_RECORDING // 1_000_000} MB")
+    data.seek(0)
+    found: dict[str, Any] = loadmat(data, variable_names=["traj", "joints_list", "sampling_time"])
+    return found

@@ -14,6 +14,7 @@ from dynamixel_sdk import Protocol1PacketHandler, Protocol2PacketHandler
 from hypothesis import given
 from hypothesis import strategies as st
 
+import mgs
 from mgs.core.errors import ConfigError, MgsError, MotionFileError
 from mgs.motion import Motion
 from mgs.motion_file.export import export_motion
@@ -275,3 +276,19 @@ def test_a_table_of_packets_needs_a_robot_with_the_same_motors(walk: Motion, tmp
     )
     with pytest.raises(MotionFileError, match=r"the frame at 0 s is not of the motors"):
         fmt.read(path, motion.robot)
+
+
+def test_the_front_door_takes_files_of_motors_and_of_one_robot(walk: Motion, tmp_path: Path):
+    motors = "\n".join(
+        f"  {name}: {{id: {k}, model: XM430}}" for k, name in enumerate(walk.robot.joint_names)
+    )
+    (tmp_path / "motors.yaml").write_text(f"mgs: 1\nmotors:\n{motors}\n")
+    (tmp_path / "unit.yaml").write_text(
+        "mgs: 1\nunit: number 7\nrobot: melson\njoints: {waist_yaw: {scale: 0.5}}\n"
+    )
+    files = {"motors": tmp_path / "motors.yaml", "unit": tmp_path / "unit.yaml"}
+    found = mgs.export(walk, tmp_path / "a.csv", "dynamixel", **files)
+    recorded = FORMATS["dynamixel"].read(found)
+    j = walk.robot.joint_names.index("waist_yaw")
+    assert np.abs(recorded.joints[:, j] - 2.0 * walk.q[:, 7 + j]).max() <= np.pi / 4096 * 1.001
+    assert recorded.extra == {"ids": list(range(19))}

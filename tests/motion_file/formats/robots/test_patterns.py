@@ -93,7 +93,7 @@ def test_a_matrix_of_somebody_else_has_no_names(tmp_path: Path):
     [
         ({"other": np.eye(2)}, "traj is missing"),
         ({"traj": np.ones(3), "joints_list": ["a"]}, "different numbers"),
-        ({"traj": np.full((2, 2), np.nan)}, "not finite"),
+        ({"traj": np.full((2, 2), np.nan)}, "the value nan"),
         ({"traj": np.eye(2), "sampling_time": -1.0}, "positive number"),
     ],
 )

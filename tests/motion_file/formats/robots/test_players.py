@@ -325,7 +325,7 @@ BAD = [
     ("webots", "#WEBOTS_MOTION,V2.0,a\n", "first line"),
     ("webots", "#WEBOTS_MOTION,V1.0,a\n0:0,Pose1,1\n", "minutes:seconds:milliseconds"),
     ("webots", "#WEBOTS_MOTION,V1.0,a\n00:00:000,Pose1,*\n", "1 angles"),
-    ("webots", "#WEBOTS_MOTION,V1.0,a\n00:00:000,Pose1,nan\n", "not finite"),
+    ("webots", "#WEBOTS_MOTION,V1.0,a\n00:00:000,Pose1,nan\n", "the value nan"),
     ("hulks", '{"motion": [{"keyframes": [1]}]}', "keyframes"),
     ("hulks", '{"motion": [{"keyframes": [{"duration": 1}]}]}', "array of numbers"),
 ]
