@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import re
 import time
 from pathlib import Path
@@ -21,6 +20,7 @@ from mgs.robot.init import DraftFolder, init_robot, write_robot
 from mgs.robot.soundness import check_robot
 from tests.support.mjcf import Twins, compiled
 from tests.support.mjcf_biped import CUBE, mjcf
+from tests.support.packages import file_of
 
 STAND = """<keyframe>
   <key name="fallen" qpos="{base} {zeros}"/>
@@ -251,18 +251,6 @@ def test_a_deep_or_long_model_is_refused_before_mujoco_sees_it(
 
 
 # --- public models, if their packages are installed -----------------------------------------------
-
-
-def file_of(package: str, name: str) -> Path:
-    try:
-        files = importlib.metadata.files(package) or []
-    except importlib.metadata.PackageNotFoundError:
-        pytest.skip(f"{package} is not installed")
-    for file in files:
-        path = Path(str(file.locate())).resolve()
-        if file.as_posix().endswith(name) and path.is_file():
-            return path
-    pytest.skip(f"{package} has no {name}")
 
 
 @pytest.mark.parametrize(

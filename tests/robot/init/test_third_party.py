@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
-from pathlib import Path
-
 import pytest
 
 from mgs.core.errors import ConfigError
@@ -13,18 +10,7 @@ from mgs.judge.motion_checks import check_motion
 from mgs.pipeline import run_stages
 from mgs.robot.init import init_robot
 from mgs.robot.soundness import check_robot
-
-
-def file_of(package: str, name: str) -> Path:
-    try:
-        files = importlib.metadata.files(package) or []
-    except importlib.metadata.PackageNotFoundError:
-        pytest.skip(f"{package} is not installed")
-    for file in files:
-        path = Path(str(file.locate())).resolve()
-        if file.as_posix().endswith(name) and path.is_file():
-            return path
-    pytest.skip(f"{package} has no {name}")
+from tests.support.packages import file_of
 
 
 @pytest.mark.parametrize(
