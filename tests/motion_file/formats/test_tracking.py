@@ -12,10 +12,12 @@ import mujoco
 import numpy as np
 import pytest
 
+from mgs.gait import list_gaits, load_gait
 from mgs.motion import Motion
 from mgs.motion_file.export import export_motion
 from mgs.motion_file.formats import FORMATS
-from mgs.robot import Robot
+from mgs.pipeline import generate
+from mgs.robot import Robot, load_robot
 from mgs.robot.orders import robot_order
 from tests.support import loaders
 from tests.support.loaders import Loaded
@@ -170,3 +172,40 @@ def test_joints_of_a_g1_stand_as_isaac_lab_counts_them():
     to_isaac_lab += [12, 16, 20, 22, 24, 26, 28]
     assert deep == tuple(f"{name}_joint" for name in names)
     assert [wide.index(name) for name in deep] == to_isaac_lab
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [n for n in list_gaits() if load_gait(n).robot])
+def test_links_of_every_shipped_gait_move_as_mujoco_moves_them(name: str, tmp_path: Path):
+    """MuJoCo gets qpos and qvel of one file, and has to have the links of the others.
+
+    Places within 1e-5 m; velocities of origins and of centres of mass, which MuJoCo computes from
+    qvel, within 1e-4 of the largest one.
+    """
+    gait = load_gait(name)
+    motion = generate(load_robot(gait.robot), gait, name).motion
+    for fmt in ("mjlab", "beyondmimic", "locomujoco"):
+        export_motion(motion, tmp_path / fmt, fmt, fps=50.0)
+    moved = loaders.locomujoco_npz(tmp_path / "locomujoco")
+    with np.load(tmp_path / "locomujoco") as arrays:
+        qvel = arrays["qvel"]
+    model = mujoco_model(motion.robot)
+    data, velocity = mujoco.MjData(model), np.zeros(6)
+    assert moved.joint_names == list(joint_order(model))
+    for fmt in ("mjlab", "beyondmimic"):
+        found = loaders.tracking_npz(tmp_path / fmt)
+        bodies, _ = orders(model, fmt in BREADTH_FIRST)
+        scale = np.abs(found.velocity).max()
+        for k in range(0, len(found.joints), 7):
+            data.qpos[:] = [*moved.root[k], *moved.joints[k]]
+            data.qvel[:] = qvel[k]
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_comPos(model, data)
+            mujoco.mj_comVel(model, data)
+            assert np.abs(data.xpos[bodies] - found.position[k]).max() < PLACE
+            for i, body in enumerate(bodies):
+                mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, body, velocity, 0)
+                arm = data.xipos[body] - data.xpos[body] if fmt in COM else np.zeros(3)
+                speed = velocity[3:] + np.cross(velocity[:3], arm)
+                assert np.abs(speed - found.velocity[k, i]).max() < 1e-4 * scale
+                assert np.abs(velocity[:3] - found.angular_velocity[k, i]).max() < 1e-3

@@ -4,7 +4,7 @@ from mgs.motion_file.formats.format import Format
 
 _HERE = "mgs.motion_file.formats.learning"
 SINGLE = 4e-7  # [rad] by which an angle up to 2 pi changes in single precision
-DIGITS = 1e-7  # [rad] by which one changes that is written with 7 digits or 6 more than it needs
+DIGITS = 1e-7  # [rad] by which one changes that is written with 7 digits after the point
 
 LEARNING: tuple[Format, ...] = (
     Format(
