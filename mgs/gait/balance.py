@@ -127,9 +127,10 @@ class BalanceParameters(Model):
 
     sizes: Literal["given", "relative"] = Field(
         "given",
-        description="Unit of the sizes. given: displacements and com_height in m. relative, for any "
-        "robot: those of the centre of mass in multiples of the leg length, those of hands in "
-        "multiples of the arm length, com_height in multiples of its value at rest.",
+        description="Unit of the sizes. given: displacements and com_height in m. relative, for "
+        "any robot: those of the centre of mass in multiples of the leg length, those "
+        "of hands in multiples of the arm length, com_height in multiples of its "
+        "value at rest.",
     )
     duration: float = Field(gt=0.0, le=MAX_SECONDS, description="Duration of the whole motion [s].")
     rest: float = Field(

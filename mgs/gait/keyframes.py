@@ -91,11 +91,12 @@ class KeyframesParameters(Model):
 
     sizes: Literal["given", "relative"] = Field(
         "given",
-        description="Unit of the sizes. given: lengths in m, positions of hands from their positions at "
-        "rest, joints by their names in the robot. relative, for any robot with `balance: "
-        "on`: com in multiples of the leg length; left_hand and right_hand from the shoulder, "
-        "in multiples of the arm length; joints in posture by role (`mgs robot show`), their "
-        "angles from the half-sitting posture.",
+        description="Unit of the sizes. given: lengths in m, positions of hands from their "
+        "positions at rest, joints by their names in the robot. relative, for any "
+        "robot with `balance: on`: com in multiples of the leg length; left_hand and "
+        "right_hand from the shoulder, in multiples of the arm length; joints in "
+        "posture by role (`mgs robot show`), their angles from the half-sitting "
+        "posture.",
     )
     balance: Switch = Field(
         "on",

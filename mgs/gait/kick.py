@@ -39,9 +39,9 @@ class KickParameters(Model):
     sizes: Literal["given", "relative"] = Field(
         "given",
         description="Unit of the sizes. given: lengths in m. relative, for any robot: lengths in "
-        "multiples of the leg length; radius and mass of the ball and durations that the file "
-        "leaves out are derived from the leg length; com_height in multiples of its value at "
-        "rest.",
+        "multiples of the leg length; radius and mass of the ball and durations that "
+        "the file leaves out are derived from the leg length; com_height in multiples "
+        "of its value at rest.",
     )
     foot: Literal["left", "right"] = Field("right", description="Foot that kicks the ball.")
     ball: BallParameters = Field(default_factory=BallParameters, description="Ball that is kicked.")

@@ -23,9 +23,9 @@ class PickUpParameters(Model):
 
     sizes: Literal["given", "relative"] = Field(
         "given",
-        description="Unit of the sizes. given: lengths in m. relative, for any robot: object, width and "
-        "clearance in multiples of the leg length, payload in multiples of the mass of the "
-        "robot.",
+        description="Unit of the sizes. given: lengths in m. relative, for any robot: object, "
+        "width and clearance in multiples of the leg length, payload in multiples of "
+        "the mass of the robot.",
     )
     hand: Literal["left", "right", "both"] = Field(
         "right", description="Hand that picks up the object, or both hands."
