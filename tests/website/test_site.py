@@ -9,7 +9,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image, ImageSequence
 
 from mgs.gait import gait_schema
 from tests.support.browser import OpenPage, chromium
@@ -96,3 +98,15 @@ def test_pages_open_from_disk_search_and_ask_no_other_host(site: Path):
         page.tab.keyboard.type("gamma_grav", delay=20)
         page.wait("document.querySelectorAll('.md-search-result__item').length > 0")
         assert "Keys of gait files" in page.tab.inner_text(".md-search-result__list")
+
+
+def test_moving_pictures_move_and_stay_small():
+    pictures = sorted((ROOT / "docs" / "gallery").glob("*.gif"))
+    assert len(pictures) >= 10
+    for path in pictures:
+        assert path.stat().st_size < 300_000, path.name
+        with Image.open(path) as picture:
+            shown = [frame.convert("RGB") for frame in ImageSequence.Iterator(picture)]
+            assert len(shown) * picture.info["duration"] >= 4000  # [ms]
+        middle = np.asarray(shown[len(shown) // 2], dtype=np.int16)
+        assert (np.abs(middle - np.asarray(shown[0])).max(axis=2) > 30).mean() > 0.01, path.name
