@@ -107,6 +107,9 @@ class Surfaces:
         return points
 
 
+NEAR = 3  # folders above a URDF, its own included, that may be the package that they are named for
+
+
 def find_mesh(name: str, urdf: Path, package_paths: tuple[Path, ...]) -> Path | None:
     """Path of a mesh file that is named in a URDF; None if the file is not found."""
     kind, _, rest = name.partition("://")
@@ -123,15 +126,24 @@ def find_mesh(name: str, urdf: Path, package_paths: tuple[Path, ...]) -> Path | 
         path = urdf.parent / rest
         own = next((p for p in urdf.parents if (p / "package.xml").is_file()), urdf.parent)
         return path if is_file(path) and is_inside(path, (urdf.parent, own, *known)) else None
-    package, _, inside = rest.partition("/")
-    for folder in (*known, *urdf.parents):
-        roots = [folder / package]
-        if folder.name == package or folder in package_paths:
-            roots.append(folder)
-        for root in roots:
-            path = root / inside
-            if is_file(path) and is_inside(path, (root, *known)):
-                return path
+    package, _, inside = rest.lstrip("/").partition("/")
+    if package in ("", ".", ".."):
+        return None
+    roots = [folder / package for folder in known]
+    roots += [folder for folder in known if folder.name == package or folder in package_paths]
+    # Any folder of this computer is above the URDF, or beside one that is: packages say that they
+    # are, or are nearby.
+    above = [root for folder in urdf.parents for root in (folder / package, folder)]
+    near = (urdf.parent / package, *(up for up in urdf.parents[:NEAR] if len(up.parts) > 2))
+    roots += [
+        root
+        for root in above
+        if root.name == package and (root in near or is_file(root / "package.xml"))
+    ]
+    for root in roots:
+        path = root / inside
+        if is_file(path) and is_inside(path, (root, *known)):
+            return path
     return None
 
 
