@@ -56,13 +56,15 @@ def say(text: object, *, nl: bool = True, err: bool = False) -> None:
 
 
 def print_json(content: object, versioned: bool = True) -> None:
-    """Print one JSON object on stdout, the version of its form first.
-
-    Numbers that are not finite, which JSON lacks, are null.
-    """
+    """Print one JSON object on stdout, the version of its form first; see `json_text`."""
     if versioned and isinstance(content, dict):
         content = {"json_version": JSON_VERSION, **content}
-    click.echo(json.dumps(_as_json(content), indent=2, default=str, allow_nan=False))
+    click.echo(json_text(content))
+
+
+def json_text(content: object) -> str:
+    """JSON of a content; numbers that are not finite, which JSON lacks, are null."""
+    return json.dumps(_as_json(content), indent=2, default=str, allow_nan=False)
 
 
 def _as_json(content: Any) -> Any:

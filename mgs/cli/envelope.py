@@ -13,6 +13,7 @@ from mgs.cli.common import (
     ProgressBar,
     force_option,
     json_option,
+    json_text,
     print_json,
     say,
     with_progress,
@@ -119,7 +120,7 @@ def envelope(
         refuse_taken(path, force)
 
     def keep(found: Envelope) -> None:
-        replace_file(record, json.dumps(found.to_dict(), indent=2).encode())
+        replace_file(record, json_text(found.to_dict()).encode())
 
     def work(bar: ProgressBar) -> Envelope:
         return find_envelope(

@@ -337,6 +337,18 @@ def wait_for(folder: Path, n: int, process: subprocess.Popen[bytes]) -> None:
         time.sleep(0.005)
 
 
+@pytest.mark.parametrize("kind", ["link", "pipe", "folder"])
+def test_a_lock_that_is_no_file_is_refused(kind: str, tmp_path: Path):
+    """A library from somebody else could have the lock point to any file."""
+    precious, lock = tmp_path / "precious", tmp_path / ".lock"
+    precious.write_text("precious")
+    make = {"link": lambda: lock.symlink_to(precious), "pipe": lambda: os.mkfifo(lock)}
+    make.get(kind, lock.mkdir)()
+    with pytest.raises(MgsError, match="instead of a lock file"), locked(tmp_path):
+        pass
+    assert precious.read_text() == "precious"
+
+
 def test_a_killed_run_is_resumed(sweep: Path, plan: Plan, made: Made, address: str, tmp_path: Path):
     folder = tmp_path / "lib"
     for n in (1, 4):

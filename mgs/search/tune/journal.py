@@ -16,9 +16,12 @@ from typing import Any, BinaryIO
 
 from optuna.storages.journal import BaseJournalBackend
 
+from mgs.core.atomic_files import refuse_taken
 from mgs.core.errors import InputError, MgsError
 from mgs.core.input_files import read_bytes
 from mgs.core.limits import MAX_JOURNAL
+
+FIRST = b'{"op_code"'  # what a line of Optuna begins with
 
 
 class Journal(BaseJournalBackend):  # type: ignore[misc]
@@ -43,12 +46,11 @@ def open_journal(path: Path) -> Iterator[Journal]:
     """Journal in a file, which is made if it is missing; a last line that was cut off is removed.
 
     Raises:
-        InputError: the file is not regular, too large, or not a journal.
-        MgsError: another search writes it.
+        InputError: the file is too large, or not a journal.
+        MgsError: another search writes it, or it is no regular file.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    if path.is_symlink() or path.exists():
-        read_bytes(path, MAX_JOURNAL, "a journal")  # refuses devices and pipes before they block
+    refuse_taken(path, force=True)  # it is written, so it must not be a link, a pipe or a device
     with path.open("a+b", buffering=0) as stream:
         try:
             fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -63,7 +65,7 @@ def _steps(path: Path, data: bytes) -> tuple[list[dict[str, Any]], int]:
     """Steps of a journal, and the size of their lines [bytes]."""
     steps, size = [], 0
     for number, line in enumerate(data.splitlines(keepends=True), start=1):
-        if not line.endswith(b"\n"):
+        if not line.endswith(b"\n") and FIRST.startswith(line[: len(FIRST)]):
             break  # the process was killed while it wrote this line
         try:
             step = json.loads(line)

@@ -80,9 +80,11 @@ def test_the_journal_of_another_search_is_refused(tmp_path: Path):
     run(tmp_path, 2)
     with pytest.raises(InputError, match="another gait, robot, objective"):
         search(easy_task(seed=1), tmp_path / "a.journal", trials=3, minutes=None)
-    (tmp_path / "b.journal").write_text("no journal\n")
-    with pytest.raises(InputError, match="not the journal of a search"):
-        search(easy_task(), tmp_path / "b.journal", trials=3, minutes=None)
+    for text in ("no journal\n", "no journal"):
+        (tmp_path / "b.journal").write_text(text)
+        with pytest.raises(InputError, match="not the journal of a search"):
+            search(easy_task(), tmp_path / "b.journal", trials=3, minutes=None)
+        assert (tmp_path / "b.journal").read_text() == text
 
 
 def test_a_line_that_was_cut_off_is_removed_and_the_search_goes_on(tmp_path: Path):
@@ -115,10 +117,17 @@ def test_two_searches_do_not_share_a_journal(tmp_path: Path):
         run(tmp_path, 2)
 
 
-def test_a_pipe_is_no_journal(tmp_path: Path):
-    os.mkfifo(tmp_path / "a.journal")
-    with pytest.raises(InputError, match="not a regular file"):
+def test_a_pipe_or_a_link_is_no_journal(tmp_path: Path):
+    journal, precious = tmp_path / "a.journal", tmp_path / "precious"
+    os.mkfifo(journal)
+    with pytest.raises(MgsError, match="a device or a pipe"):
         run(tmp_path, 2)
+    journal.unlink()
+    precious.write_text("")
+    journal.symlink_to(precious)
+    with pytest.raises(MgsError, match="a link, which is never replaced"):
+        run(tmp_path, 2)
+    assert precious.read_text() == ""
 
 
 def test_the_identity_of_a_search_depends_on_all_that_its_walks_have_in_common():
