@@ -1,14 +1,22 @@
 """Commands that are killed at random moments: `python -m tests.fuzz.kills --kills 100`.
 
-Each command is started as a process, and SIGKILL, SIGTERM or SIGINT is sent to it alone. Two
-seconds later none of its processes may be left. Every file has to be complete; after SIGTERM and
-SIGINT nothing half-written may be left; a batch that is resumed gives the library of a run that
-nobody disturbed.
+Each command runs once undisturbed, which tells how long it takes and what it writes. Then it is
+started again and again, and SIGKILL, SIGTERM or SIGINT is sent to its process alone, at a moment
+within that time. Two seconds later none of its processes may be left; where more processes want to
+run than there are processor cores, as many times longer. Every file has to be complete; after
+SIGTERM and SIGINT nothing half-written may be left. A batch that is resumed gives the library of
+a run that nobody disturbed.
+
+Right endings after a signal are exit code 1 and 0 (the work was done before) and death by the
+signal that was sent, or by SIGINT after SIGTERM, which mgs treats as Ctrl-C: that is how programs
+of Unix end that were interrupted, and a shell tells it as 130 or 143.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
+import json
 import os
 import random
 import shutil
@@ -19,47 +27,31 @@ import time
 import uuid
 from collections import Counter
 from pathlib import Path
+from subprocess import TimeoutExpired
 
 import psutil
 
 from mgs.core.errors import MgsError
 from mgs.library.manifest import MANIFEST, reading
 from mgs.motion_file import read_motion
+from mgs.search.tune.journal import open_journal
 
 MARK = "MGS_KILL_TEST"
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
+LONGEST = 15.0  # [s] after which no command is killed; a search for an envelope takes minutes
 GRACE = 2.0  # [s] in which all processes have to end
 SWEEP = "mgs: 1\nbase: melson/bow\naxes: {dt: [0.1, 0.05, 0.04, 0.025, 0.02, 0.0125]}\n"
-COMMANDS: dict[str, tuple[list[str], float]] = {  # arguments, and about how long they take [s]
-    "generate": (["generate", "melson/walk_5cm", "-o", "new/a.mcap"], 3.0),
-    "batch": (["batch", "run", "sweep.yaml", "-o", "library", "--workers", "2"], 12.0),
-    "validate": (
-        ["validate", "walk.mcap", "--physics", "mujoco", "--monte-carlo", "50", "--workers", "2"],
-        12.0,
-    ),
-    "envelope": (
-        ["envelope", "melson", "-o", "env", "--workers", "2", "--physics", "mujoco"],
-        15.0,
-    ),
-    "tune": (
-        [
-            "tune",
-            "melson/walk_practical",
-            "--objective",
-            "speed",
-            "-o",
-            "new/b.yaml",
-            "--trials",
-            "6",
-            "--workers",
-            "2",
-            "--physics",
-            "mujoco",
-        ],
-        15.0,
-    ),
-    "library export": (["library", "export", "whole", "--format", "csv", "-o", "new/t.csv"], 1.0),
-}
+COMMANDS: dict[str, list[str]] = {
+    "generate": ["generate", "melson/walk_5cm", "-o", "new/a.mcap"],
+    "batch": ["batch", "run", "sweep.yaml", "-o", "library", "--workers", "2"],
+    "validate": ["validate", "walk.mcap", "--physics", "mujoco", "--monte-carlo", "50",
+                 "--workers", "2"],
+    "envelope": ["envelope", "melson", "-o", "env", "--workers", "2", "--physics", "mujoco"],
+    "tune": ["tune", "melson/walk_practical", "--objective", "speed", "-o", "new/b.yaml",
+             "--trials", "6", "--final-draws", "0", "--workers", "2", "--physics", "mujoco"],
+    "library export": ["library", "export", "whole", "--format", "csv", "-o", "new/t.csv"],
+}  # fmt: skip
+SAME = ("new/a.mcap", "new/t.csv")  # files that are the same in every run
 
 
 def marked(token: str) -> list[psutil.Process]:
@@ -86,46 +78,56 @@ def start(arguments: list[str], folder: Path, token: str) -> subprocess.Popen[by
     )
 
 
-def problem_after(name: str, sent: signal.Signals, delay: float, folder: Path) -> str:
-    """What is wrong after a command was killed after some time; empty if nothing is."""
+def problem_after(
+    name: str, sent: signal.Signals, delay: float, folder: Path, base: Path
+) -> tuple[str, float]:
+    """What is wrong after a command was killed after a delay [s], and how long it took to end [s].
+
+    The first is empty if nothing is wrong.
+    """
     token = uuid.uuid4().hex
-    process = start(COMMANDS[name][0], folder, token)
+    process = start(COMMANDS[name], folder, token)
     time.sleep(delay)
     process.send_signal(sent)
-    deadline = time.monotonic() + GRACE
-    while marked(token) and time.monotonic() < deadline:
+    begun = time.monotonic()
+    grace = GRACE * max(1.0, os.getloadavg()[0] / (os.cpu_count() or 1))
+    while (left := marked(token)) and time.monotonic() < begun + max(grace, 20.0):
         process.poll()
         time.sleep(0.05)
-    left = marked(token)
-    named = ", ".join(" ".join(other.cmdline())[-60:] for other in left)
-    until = time.monotonic() + 10.0
-    while marked(token) and time.monotonic() < until:
-        time.sleep(0.1)
-    late = time.monotonic() - until + 10.0 + GRACE
-    for other in marked(token):
+    took = time.monotonic() - begun
+    named = ", ".join(" ".join(other.cmdline())[-60:] for other in left if other.is_running())
+    for other in left:
         other.kill()
     _, err = process.communicate(timeout=60)
-    if left:
-        return f"{len(left)} processes left until {late:.1f} s: {named}"
+    if took > grace:
+        return f"processes left after {took:.1f} s, {grace:.1f} s allowed: {named}", took
     if b"Traceback" in err:
-        return f"traceback: {err.decode(errors='replace')[-300:]}"
+        return f"traceback: {err.decode(errors='replace')[-300:]}", took
     if sent is not signal.SIGKILL and process.returncode not in (0, 1, -sent, -signal.SIGINT):
-        return f"exit code {process.returncode}"
-    return damage(name, folder, sent is signal.SIGKILL)
+        return f"exit code {process.returncode}", took
+    return damage(name, folder, base, sent is signal.SIGKILL), took
 
 
-def damage(name: str, folder: Path, was_killed: bool) -> str:
+def damage(name: str, folder: Path, base: Path, was_killed: bool) -> str:
     """What is wrong with the files; empty if nothing is."""
     for path in folder.rglob("*.mcap"):
         try:
             read_motion(path)
         except MgsError as error:
             return str(error)
+    for same in SAME:
+        if (folder / same).exists() and (folder / same).read_bytes() != (base / same).read_bytes():
+            return f"{same} differs from that of a run that was not disturbed"
+    for path in folder.rglob("*.json"):
+        json.loads(path.read_text())
     if not was_killed:
         if any(folder.rglob("*.part")):
             return "a part of a file left"
         if (folder / "new").exists() and not any((folder / "new").iterdir()):
             return "an empty folder left"
+    if (journal := folder / "new" / "b.journal").exists():
+        with open_journal(journal) as opened:  # raises an error if it cannot be continued
+            opened.append_logs([])
     if name == "batch":
         return resumed(folder)
     return ""
@@ -135,7 +137,7 @@ def resumed(folder: Path) -> str:
     """What is wrong with a library after it was continued; empty if nothing is."""
     more = ["--resume"] if (folder / "library" / MANIFEST).exists() else []
     result = subprocess.run(
-        [sys.executable, "-m", "mgs", *COMMANDS["batch"][0], *more],
+        [sys.executable, "-m", "mgs", *COMMANDS["batch"], *more],
         cwd=folder, capture_output=True, check=False,
     )  # fmt: skip
     if result.returncode:
@@ -159,31 +161,56 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
     rng, base = random.Random(given.seed), given.folder.resolve() / "base"
-    base.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(base, ignore_errors=True)
+    base.mkdir(parents=True)
     (base / "sweep.yaml").write_text(SWEEP)
     batch = ["batch", "run", "sweep.yaml", "-o", "whole", "--workers", "2"]
     walk = ["generate", "melson/walk_practical", "-o", "walk.mcap", "--set", "walk.n_steps=2"]
     for arguments in (batch, walk):
-        subprocess.run([sys.executable, "-m", "mgs", *arguments], cwd=base, check=False)
+        subprocess.run([sys.executable, "-m", "mgs", *arguments], cwd=base, check=True)
+    whole = given.folder.resolve() / "undisturbed"
+    shutil.rmtree(whole, ignore_errors=True)
+    shutil.copytree(base, whole)
+    seconds = {name: _seconds(arguments, whole) for name, arguments in COMMANDS.items()}
+    print(
+        "undisturbed [s]:", {name: round(value, 1) for name, value in seconds.items()}, flush=True
+    )
     tried: Counter[tuple[str, str]] = Counter()
-    problems = []
+    problems, longest = [], dict.fromkeys(COMMANDS, 0.0)
     for number in range(given.kills):
         name = list(COMMANDS)[number % len(COMMANDS)]
         sent = SIGNALS[number // len(COMMANDS) % len(SIGNALS)]
         folder = given.folder.resolve() / "now"
         shutil.rmtree(folder, ignore_errors=True)
         shutil.copytree(base, folder)
-        delay = rng.uniform(0.05, 1.2) * COMMANDS[name][1]
+        delay = rng.uniform(0.02, 1.1) * seconds[name]
         tried[name, sent.name] += 1
-        if problem := problem_after(name, sent, delay, folder):
+        problem, took = problem_after(name, sent, delay, folder, whole)
+        longest[name] = max(longest[name], took)
+        if problem:
             problems.append(f"{name}, {sent.name} after {delay:.2f} s: {problem}")
             print(problems[-1], flush=True)
-    print("| command |", " | ".join(sent.name for sent in SIGNALS), "|")
-    print("| --- |", " | ".join("---" for _ in SIGNALS), "|")
+    print("| command |", " | ".join(sent.name for sent in SIGNALS), "| longest end [s] |")
+    print("| --- |", " | ".join("---" for _ in SIGNALS), "| --- |")
     for name in COMMANDS:
-        print(f"| {name} |", " | ".join(str(tried[name, s.name]) for s in SIGNALS), "|")
-    print(f"{len(problems)} problems in {given.kills} kills")
+        counts = " | ".join(str(tried[name, sent.name]) for sent in SIGNALS)
+        print(f"| {name} | {counts} | {longest[name]:.1f} |")
+    load = os.getloadavg()[0] / (os.cpu_count() or 1)
+    print(
+        f"{len(problems)} problems in {given.kills} kills; {load:.1f} processes per core at the end"
+    )
     return int(bool(problems))
+
+
+def _seconds(arguments: list[str], folder: Path) -> float:
+    """How long a command takes, or LONGEST if that is longer [s]."""
+    begun = time.monotonic()
+    with start(arguments, folder, "undisturbed") as process, contextlib.suppress(TimeoutExpired):
+        try:
+            process.communicate(timeout=LONGEST)
+        finally:
+            process.kill()
+    return time.monotonic() - begun
 
 
 if __name__ == "__main__":
