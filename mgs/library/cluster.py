@@ -12,6 +12,7 @@ from collections.abc import Iterator
 import dask
 from dask.system import CPU_COUNT
 from distributed import Client, LocalCluster, rpc
+from distributed.deploy.spec import SpecCluster
 from distributed.security import Security
 
 from mgs.core.errors import MgsError
@@ -52,6 +53,7 @@ def cluster(workers: int | None, address: str | None, n_gaits: int) -> Iterator[
             yield client
         return
     with (
+        _forgotten_if_interrupted(),
         dask.config.set(OWN_CLUSTER),
         LocalCluster(
             n_workers=min(workers or CPU_COUNT, n_gaits),
@@ -68,11 +70,28 @@ def cluster(workers: int | None, address: str | None, n_gaits: int) -> Iterator[
             raise
 
 
-def _kill(own: LocalCluster) -> None:
+@contextlib.contextmanager
+def _forgotten_if_interrupted() -> Iterator[None]:
+    """Keep Dask from closing a new cluster at the end of the process after an exception.
+
+    One that was interrupted while it started cannot be closed, and Dask then prints a traceback.
+    Its workers end with this process.
+    """
+    before = set(SpecCluster._instances)
+    try:
+        yield
+    except BaseException:
+        for own in set(SpecCluster._instances) - before:
+            _kill(own)
+            SpecCluster._instances.discard(own)
+        raise
+
+
+def _kill(own: SpecCluster) -> None:
     """End the workers at once, not after the gaits that they are making."""
     for nanny in own.workers.values():
         nanny.auto_restart = False
-        if nanny.pid is not None:
+        if getattr(nanny, "pid", None) is not None:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(nanny.pid, signal.SIGKILL)
 
