@@ -7,9 +7,11 @@ import contextlib
 import importlib.util
 import os
 import signal
+import time
 from collections.abc import Iterator
 
 import dask
+import psutil
 from dask.system import CPU_COUNT
 from distributed import Client, LocalCluster, rpc
 from distributed.deploy.spec import SpecCluster
@@ -19,6 +21,7 @@ from mgs.core.errors import MgsError
 from mgs.core.foreign import described
 
 CONNECT_TIMEOUT = 10.0  # [s]
+N_LOOKS, LOOK_AGAIN = 4, 0.05  # looks for workers that are just being started, and pauses [s]
 OWN_CLUSTER = {
     "distributed.nanny.pre-spawn-environ": {  # set before a worker imports numpy
         name: 1
@@ -75,15 +78,22 @@ def _forgotten_if_interrupted() -> Iterator[None]:
     """Keep Dask from closing a new cluster at the end of the process after an exception.
 
     One that was interrupted while it started cannot be closed, and Dask then prints a traceback.
-    Its workers end with this process.
+    So does a worker that has only just been started, when this process ends without telling it
+    what to do.
     """
-    before = set(SpecCluster._instances)
+    before, children = set(SpecCluster._instances), set(psutil.Process().children())
     try:
         yield
     except BaseException:
         for own in set(SpecCluster._instances) - before:
             _kill(own)
             SpecCluster._instances.discard(own)
+        for _ in range(N_LOOKS):  # a thread of Dask may be starting one just now
+            for child in set(psutil.Process().children()) - children:
+                with contextlib.suppress(psutil.NoSuchProcess):
+                    if "resource_tracker" not in " ".join(child.cmdline()):
+                        child.kill()
+            time.sleep(LOOK_AGAIN)
         raise
 
 

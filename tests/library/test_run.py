@@ -385,6 +385,28 @@ def test_control_c_ends_a_run_within_two_seconds(sweep: Path, tmp_path: Path):
     assert not alive
 
 
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_while_workers_start_is_told_in_one_line(
+    sent: signal.Signals, sweep: Path, tmp_path: Path
+):
+    """Dask cannot close a cluster that has not started, and would say so with a traceback.
+
+    Python may warn of semaphores that the workers have not given back.
+    """
+    folder = tmp_path / "lib"
+    process = start(sweep, folder, "--workers", "1")
+    while not psutil.Process(process.pid).children():
+        time.sleep(0.005)
+    process.send_signal(sent)
+    _, errors = process.communicate()
+    assert process.returncode == 1
+    told, *others = errors.decode().splitlines()
+    expected = f"Error: interrupted; all gaits made so far are in {folder}; continue with --resume"
+    assert told == expected
+    assert "Traceback" not in errors.decode()
+    assert not others or "leaked semaphore" in others[0]
+
+
 FULL_DISK = """
 mount -t tmpfs -o size={small}k tmpfs {folder} && cd {folder} || exit 77
 {run} > out 2> {folder}.message; echo $? > {folder}.code
