@@ -28,6 +28,9 @@ COMMANDS = {
     "replay": LazyCommand("mgs.cli.judge", "Execute a motion open loop in one physics engine."),
     "import": LazyCommand("mgs.cli.import_", "Make a motion file of somebody else's motion."),
     "audit": LazyCommand("mgs.cli.audit", "Find what is wrong with a motion, whoever made it."),
+    "repair": LazyCommand(
+        "mgs.cli.repair", "Make the nearest motion that holds of one that does not."
+    ),
     "envelope": LazyCommand(
         "mgs.cli.envelope", "Find the longest step and the fastest walk of a robot."
     ),

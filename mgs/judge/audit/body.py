@@ -44,8 +44,13 @@ class Body:
     __repr__ = short_repr
 
 
-def body_along(given: GivenMotion) -> Body:
-    """Kinematics and inverse dynamics of a motion of at least three samples."""
+def body_along(given: GivenMotion, smoothing: float = SMOOTHING_TIME) -> Body:
+    """Kinematics and inverse dynamics of a motion of at least three samples.
+
+    Args:
+        given: the motion.
+        smoothing: time over which forces are averaged [s]; 0: not at all.
+    """
     robot, q = given.robot, given.q
     forward = steps(q)
     v, a = rates(forward, given.dt)
@@ -56,7 +61,7 @@ def body_along(given: GivenMotion) -> Body:
     force = _inverse_dynamics(robot, q, v, a)
     if given.payload is not None:
         force += _payload(given, poses)
-    width = max(1, round(SMOOTHING_TIME / given.dt))
+    width = max(1, round(smoothing / given.dt))
     force = moving_mean(force, width)
     return Body(
         steps=forward,

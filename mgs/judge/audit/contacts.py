@@ -1,9 +1,9 @@
 """Contacts found from the motion: which corners of the soles touch, and which sole bears how much.
 
 A corner is in contact from when it comes within `NEAR` of the ground until it is farther than
-`AWAY` from it, however deep it is. How much a sole bears follows from where the zero-moment point
-(ZMP) is between both soles, since a swing foot skims the ground before it lands and after it has
-lifted off, and bears nothing then.
+`AWAY` from it, however deep it is. A swing foot skims the ground before it lands and after it has
+lifted off, and bears nothing then: a sole has to bear only if the zero-moment point (ZMP) is not
+inside the other one. How much it bears follows from where the ZMP is between both.
 """
 
 from __future__ import annotations
@@ -19,11 +19,13 @@ from mgs.core.contact import Side
 from mgs.core.short_repr import short_repr
 from mgs.judge.audit.body import Body
 from mgs.judge.audit.given import GivenMotion
+from mgs.judge.audit.hulls import distance_outside
 from mgs.motion.dynamics import zmp_at
 
 Bools = NDArray[np.bool_]
 
 NEAR, AWAY = 0.004, 0.006  # [m] above the ground
+CLEARLY = 0.003  # [m] outside the other sole
 WEIGHTLESS = 0.3  # of the weight, below which the robot may be in flight
 
 
@@ -37,6 +39,7 @@ class Contacts:
     supported: Bools  # (T,) whether the ground has to bear a good part of the weight
     zmp: Array  # (T, 2) at the height of the contacts [m]
     load: Array  # (T, 2) shares of the load on both soles, zero where neither touches
+    bearing: Bools  # (T, 2) whether a sole has to bear a part of the weight: see below
     level: Bools  # (T,) whether all corners in contact are at about the same height
 
     __repr__ = short_repr
@@ -55,8 +58,11 @@ def find_contacts(given: GivenMotion, body: Body) -> Contacts:
     other = [g for g, o in enumerate(robot.geometry.geometryObjects) if o.parentJoint not in feet]
     rest = body.heights[:, other]
     lowest_rest = rest.min(axis=1) if other else np.full(given.n_samples, np.inf)
-    others = hysteresis(lowest_rest < NEAR, lowest_rest < AWAY)
-    lowest = np.minimum(body.clearance.min(axis=(1, 2)), lowest_rest)
+    lowest_sole = body.clearance.min(axis=(1, 2))
+    # the shank of a robot that is too low is no knee on the floor: its soles are far lower
+    is_low = lowest_rest < lowest_sole + AWAY
+    others = hysteresis(is_low & (lowest_rest < NEAR), is_low & (lowest_rest < AWAY))
+    lowest = np.minimum(lowest_sole, lowest_rest)
     weight = GRAVITY * robot.mass
     supported = body.wrench[:, 2] > WEIGHTLESS * weight
     soles = np.asarray(corners.any(axis=2))
@@ -68,7 +74,9 @@ def find_contacts(given: GivenMotion, body: Body) -> Contacts:
     zmp = zmp_at(wrench, height)
     spread = np.where(corners, body.corners[..., 2], height[:, None, None])
     level = np.ptp(spread.reshape(len(spread), -1), axis=1) < AWAY
-    return Contacts(corners, others, lowest, supported, zmp, _loads(body, zmp, soles), level)
+    load = _loads(body, zmp, soles)
+    bearing = soles & _beyond_the_other(body, corners, zmp) & (supported & ~others)[:, None]
+    return Contacts(corners, others, lowest, supported, zmp, load, bearing, level)
 
 
 def hysteresis(on: Bools, stays: Bools) -> Bools:
@@ -91,6 +99,14 @@ def _mean_of(values: Array) -> Array:
     known = ~np.isnan(values)
     total = np.where(known, values, 0.0).sum(axis=1)
     return np.asarray(total / np.where(known.any(axis=1), known.sum(axis=1), np.nan))
+
+
+def _beyond_the_other(body: Body, corners: Bools, zmp: Array) -> Bools:
+    """Whether the ZMP is clearly outside the corners of the other sole that touch, (T, 2)."""
+    flat = body.corners[..., :2]
+    outside = [distance_outside(zmp, flat[:, 1 - side], corners[:, 1 - side]) for side in Side]
+    alone = ~np.asarray(corners.any(axis=2))[:, ::-1]
+    return np.asarray((np.stack(outside, axis=1) > CLEARLY) | alone)
 
 
 def _loads(body: Body, zmp: Array, soles: Bools) -> Array:

@@ -17,7 +17,6 @@ FLOAT_LIMIT = 0.005  # [m]
 FLOAT_TIME = 0.04  # [s] that a robot may be borne by nothing, between two samples of 30 a second
 SLIP_LIMIT = 0.01  # [m/s]
 SLIP_TIME = 0.1  # [s] over which the speed of a sole is taken
-BEARING = 0.35  # of the load, that a sole must bear for its slip to count
 
 
 def ground_findings(given: GivenMotion, body: Body, contacts: Contacts) -> list[Finding]:
@@ -65,10 +64,8 @@ def _slip(given: GivenMotion, body: Body, contacts: Contacts, side: Side) -> lis
     width = max(1, round(SLIP_TIME / given.dt))
     if given.n_samples <= width:
         return []
-    bearing = contacts.soles[:, side] & (contacts.load[:, side] > BEARING) & ~contacts.others
-    bearing &= contacts.supported
     speed = sole_speed(body, contacts, side, width, given.dt)
-    whole = _throughout(bearing, width)
+    whole = throughout(contacts.bearing[:, side], width)
     amount = np.zeros(given.n_samples)
     half = width // 2
     amount[half : half + len(speed)] = np.where(whole, speed, 0.0)
@@ -87,7 +84,7 @@ def sole_speed(body: Body, contacts: Contacts, side: Side, width: int, dt: float
     return np.asarray((way * both).sum(axis=1) / (count * width * dt))
 
 
-def _throughout(mask: NDArray[np.bool_], width: int) -> NDArray[np.bool_]:
+def throughout(mask: NDArray[np.bool_], width: int) -> NDArray[np.bool_]:
     """Whether (T - width,) a mask (T,) is true for all samples from each one to `width` later."""
     total = np.concatenate([[0], np.cumsum(mask)])
     return np.asarray(total[width + 1 :] - total[: -width - 1] == width + 1)
