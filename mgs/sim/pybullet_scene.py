@@ -11,7 +11,7 @@ from mgs.robot import Robot
 
 BASE = -1  # PyBullet's index of the base link
 GEAR_FORCE = 1e5  # [N m] that holds coupled joints together: more than any of them needs
-GEAR_CORRECTION = 0.2  # part of the error of coupled joints that is removed in a step
+GEAR_CORRECTION = 0.8  # part of the error of coupled joints that is removed in a step
 
 
 def add_ground(p: Any, client: int, boxes: Sequence[Box]) -> list[int]:
