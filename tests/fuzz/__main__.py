@@ -15,7 +15,7 @@ from tests.fuzz.run import KINDS, count, row, table
 
 # Parts of all inputs; what foreign parsers and engines see gets the most.
 SHARES = {
-    **{"gait": 15, "robot": 15, "urdf": 20, "mjcf": 10, "sweep": 12},
+    **{"gait": 15, "robot": 15, "urdf": 20, "mjcf": 2, "sweep": 12},
     **{"table": 6, "motion file": 20, "query": 12},
 }
 
