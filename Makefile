@@ -1,6 +1,7 @@
 # make demo   install, generate a walk, validate it in every installed physics engine, plot it and
 #             write a page that shows the moving robot
 # make test   check style and types, then run the tests without the longest simulations
+# make docs   build the documentation site in the folder site
 # make test-all, make lint, make bench, make gallery, make docs-figures, make clean
 
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
@@ -11,7 +12,7 @@ DEMO := outputs/demo
 # what they need; whoever is done first helps the others.
 PYTEST := $(BIN)/python -m pytest -q -n auto --dist worksteal
 
-.PHONY: demo test test-all lint bench gallery docs-figures clean
+.PHONY: demo test test-all lint docs bench gallery docs-figures clean
 
 demo: $(VENV)/.mgs
 	@mkdir -p $(DEMO)
@@ -33,6 +34,9 @@ lint: $(VENV)/.dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+docs: $(VENV)/.dev
+	$(BIN)/mkdocs build --strict
 
 bench: $(VENV)/.mgs
 	$(BIN)/python benchmarks/run.py
@@ -58,4 +62,4 @@ $(VENV)/.dev: $(VENV)/.mgs
 	@touch $@
 
 clean:
-	rm -rf $(VENV) build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build dist site .mypy_cache .pytest_cache .ruff_cache .hypothesis
