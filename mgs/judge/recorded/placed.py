@@ -29,6 +29,7 @@ LEAST_RATE = 10.0  # [Hz]: a sampling period of 0.1 s is the longest that a moti
 SAME_RATE = 1e-3  # relative
 UPRIGHT = 0.9  # mean size of one of the four numbers that tells the scalar part
 # layouts that give quaternions as w, x, y, z; all others have the scalar part last
+TWO_ORDERS = ("unitree-csv",)  # tables of the same shape are written in both orders
 SCALAR_FIRST = ("beyondmimic", "mjlab", "holosoma", "isaaclab-amp", "locomujoco", "sonic")
 
 
@@ -159,7 +160,8 @@ def _in_order(
 
     The layout says in which order they stand in the file, and the reader has turned them; whether
     it was the right one shows in how the robot stands. Where both orders let it stand, as with a
-    base that never turns, the scalar part is the one near 1 or -1.
+    base that never turns, or neither does, the layout counts; of tables that are written in both
+    orders, the one with a scalar part near 1 or -1.
     """
     said, other = ("wxyz", "xyzw") if layout in SCALAR_FIRST else ("xyzw", "wxyz")
     as_said, otherwise = q[:, 3:7], np.roll(q[:, 3:7], 1 if said == "wxyz" else -1, axis=1)
@@ -175,6 +177,9 @@ def _in_order(
     if other_score * BETTER < score:
         notes.append(f"quaternions {other}, not {said} as in the layout: only so the robot stands")
         return otherwise
+    if layout not in TWO_ORDERS:
+        notes.append(f"quaternions {said}, as the layout says; how the robot moves tells neither")
+        return as_said
     for name, quat in ((said, as_said), (other, otherwise)):
         if np.abs(quat[:, 3]).mean() > UPRIGHT:
             notes.append(f"quaternions {name}: both orders let the robot stand, in this one w is 1")

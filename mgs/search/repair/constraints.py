@@ -37,7 +37,7 @@ from mgs.search.repair.stances import Stances
 N_FACES = 8  # of the hull of two rectangles
 RANGE_MARGIN = 2e-3  # [rad]
 SPEED_SHARE = 0.99  # of the limit
-ZMP_MARGIN = 0.003  # [m]
+ZMP_MARGIN = 0.005  # [m]
 WIDEST_SHARE = 0.4  # of half the width of a sole, that the margin takes at most
 
 

@@ -16,11 +16,18 @@ from mgs.judge.audit.ground import SLIP_TIME, sole_speed, throughout
 from mgs.judge.audit.hulls import distance_outside
 from mgs.judge.audit.smoothness import noise
 from mgs.judge.audit.tree import JointPoses, joint_poses
+from mgs.robot import leg_length
+
+LEANING = 0.1  # lengths of a leg
 
 
 @dataclass(frozen=True)
 class Figures:
-    """What is wrong with a motion, by how much at most."""
+    """What is wrong with a motion, by how much at most.
+
+    The soles do not bear the robot where another part touches the floor and the ZMP is far outside
+    the soles, or none touches.
+    """
 
     penetration: float  # of a sole [m]
     slip: float  # fastest sole that bears the robot, over 0.1 s [m/s]
@@ -30,7 +37,7 @@ class Figures:
     zmp_distance: float  # farthest outside [m]
     jitter: float  # largest noise of a joint [rad]
     judged: float  # part of the time in which the ZMP is judged
-    other_contacts: float  # part of the time in which other parts than the soles touch the floor
+    off_soles: float  # part of the time in which the soles do not bear the robot, see below
 
     def to_dict(self) -> dict[str, float]:
         """The figures as plain data."""
@@ -47,6 +54,8 @@ def figures_of(given: GivenMotion) -> Figures:
         contacts.corners.reshape(given.n_samples, -1),
     )
     judged = judged_samples(contacts)
+    touching = contacts.soles.any(axis=1)
+    off = contacts.others & (~touching | (outside > LEANING * leg_length(robot)))
     n_judged = max(1, int(judged.sum()))
     excess = np.maximum(robot.lower - given.joints, given.joints - robot.upper)
     speed = np.abs(np.diff(given.joints, axis=0)) / given.dt / robot.speed_limit
@@ -60,7 +69,7 @@ def figures_of(given: GivenMotion) -> Figures:
         zmp_distance=max(0.0, float(np.max(outside, where=judged, initial=0.0))),
         jitter=float(trembling.max(initial=0.0)),
         judged=float(judged.mean()),
-        other_contacts=float(contacts.others.mean()),
+        off_soles=float(off.mean()),
     )
 
 

@@ -23,11 +23,11 @@ from mgs.robot import leg_length
 from mgs.search.repair.band import smooth
 from mgs.search.repair.constraints import Constraints
 from mgs.search.repair.figures import Figures, figures_of, link_distance
-from mgs.search.repair.solve import Problem, solve
-from mgs.search.repair.stances import Stances, planar_places, stances_of, standing_soles
+from mgs.search.repair.solve import Point, Problem, solve
+from mgs.search.repair.stances import Bools, Stances, planar_places, stances_of, standing_soles
 
 LEAST_SAMPLES = 20
-MOST_OTHERS = 0.02  # part of the time in which other parts than the soles may touch the floor
+MOST_OFF = 0.1  # part of the time in which other parts than the soles may bear the robot
 GOALS = {  # by the names of the figures, what a repaired motion has at most
     "penetration": 1e-3,
     "slip": 2e-3,
@@ -36,7 +36,8 @@ GOALS = {  # by the names of the figures, what a repaired motion has at most
     "zmp_outside": 0.0,
 }
 NOISY = 5e-4  # [rad] and [m], noise from which a coordinate is smoothed
-CORRECTIONS = 3  # of the stances, by the contacts of what was found
+AWAY_FROM_PLACE = 5e-3  # [m]
+CORRECTIONS = 4  # of the stances, by the contacts of what was found
 BLUR = 0.15  # [s]
 CUT_OFF = 5.0  # [Hz] above which a smoothed coordinate keeps less than half
 
@@ -83,10 +84,10 @@ def repair(given: GivenMotion, progress: Progress | None = None) -> Repaired:
     if given.scene.boxes:
         raise MgsError("the motion is on boxes; only motions on a level floor can be repaired")
     before = figures_of(given)
-    if before.other_contacts > MOST_OTHERS:
+    if before.off_soles > MOST_OFF:
         raise MgsError(
-            f"other parts than the soles touch the floor {100.0 * before.other_contacts:.0f} % of "
-            "the time; only motions on the soles can be repaired"
+            f"other parts than the soles bear the robot {100.0 * before.off_soles:.0f} % of the "
+            "time; only motions on the soles can be repaired"
         )
     found = nearest_motion(given, progress)
     return Repaired(found, before, figures_of(found), link_distance(found, given))
@@ -102,17 +103,29 @@ def nearest_motion(given: GivenMotion, progress: Progress | None = None) -> Give
     stances = stances_of(stands, planar)
     reference = on_stances(calm, stances)
     problem = Problem(Constraints(given.robot, stances, given.dt), reference)
-    found = solve(problem, reference.q, progress).given
+    point = solve(problem, reference.q, progress)
     for _ in range(CORRECTIONS):
-        contacts = find_contacts(found, body_along(found))
-        missed = contacts.bearing & ~stances.stands
-        if not missed.any():
+        stands = corrected(stances.stands, point)
+        if np.array_equal(stands, stances.stands):
             break
-        stances = stances_of(stances.stands | missed, planar)
+        stances = stances_of(stands, planar)
         reference = on_stances(calm, stances)
         problem = Problem(Constraints(given.robot, stances, given.dt), reference)
-        found = solve(problem, found.q, progress).given
-    return found
+        point = solve(problem, reference.q, progress)
+    return point.given
+
+
+def corrected(stands: Bools, point: Point) -> Bools:
+    """Which soles (T, 2) stand, corrected by the motion that was found with them.
+
+    One stands too that bears the robot in that motion. One does not that is far from its place
+    there, since no motion near the given one has it stand, unless none else stands.
+    """
+    contacts = find_contacts(point.given, body_along(point.given))
+    away = np.linalg.norm(point.residuals.pose, axis=-1) > AWAY_FROM_PLACE
+    kept = stands & ~away
+    kept[~kept.any(axis=1)] = stands[~kept.any(axis=1)]
+    return np.asarray(kept | (contacts.bearing & ~away))
 
 
 def smoothing_weight(dt: float) -> float:

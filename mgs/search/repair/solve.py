@@ -28,10 +28,13 @@ from mgs.judge.audit.body import Body, body_along
 from mgs.search.repair.band import empty_blocks, solve_blocks
 from mgs.search.repair.constraints import Constraints, Residuals
 
-ROUNDS, STEPS, HALVINGS = 6, 6, 6
+STEPS, HALVINGS = 6, 6  # of a round
+# what each round has of the weight of the ZMP: while soles are not yet in their places,
+# accelerations mean nothing
+ZMP_SHARES = (0.0, 0.0, 1e-3, 1e-2, 0.1, 1.0, 1.0, 1.0, 1.0)
 WEIGHTS = {"pose": 1e6, "floor": 1e6, "range": 1e4, "speed": 1e4, "zmp": 1e3}
 BASE_PLACE, BASE_TURN = 20.0, 1.0  # weights of the base's part of e, 1 for a joint
-SMOOTHNESS = 1e-5  # [s^4]
+SMOOTHNESS, BASE_SMOOTHNESS = 1e-5, 1e-2  # [s^4] of joints and base
 ENOUGH = 1e-4  # relative decrease at which the steps of a round end
 DAMPING = 1e-6
 LARGEST = 0.03  # [m] and [rad] of a shift, so that what cannot be met does not take over
@@ -59,7 +62,9 @@ class Problem:
         self.weight = np.ones(p)
         self.weight[:3], self.weight[3:FLOATING_BASE_NV] = BASE_PLACE, BASE_TURN
         self.weight *= dt
-        self.smoothness = SMOOTHNESS / dt**3
+        self.smoothness = np.full(p, SMOOTHNESS / dt**3)
+        self.smoothness[:FLOATING_BASE_NV] = BASE_SMOOTHNESS / dt**3
+        self.weights = dict(WEIGHTS)
         self.scale = dt  # of the weights of constraints, so that finer sampling changes nothing
 
     def at(self, q: Array, shifts: Shifts) -> Point:
@@ -69,10 +74,10 @@ class Problem:
         e = differences(given, self.reference.q)
         residuals = self.constraints.residuals(given, body)
         cost = 0.5 * float(np.sum(self.weight * e * e))
-        cost += 0.5 * self.smoothness * float(np.sum(second_differences(e) ** 2))
+        cost += 0.5 * float(np.sum(self.smoothness * second_differences(e) ** 2))
         for name, r in vars(residuals).items():
             active = _active(name, r, shifts[name])
-            cost += 0.5 * self.scale * WEIGHTS[name] * float(np.sum(active**2))
+            cost += 0.5 * self.scale * self.weights[name] * float(np.sum(active**2))
         return Point(given, body, e, residuals, cost)
 
     def step(self, point: Point, shifts: Shifts) -> Array:
@@ -82,9 +87,8 @@ class Problem:
         g = self.weight * point.e
         g += self.smoothness * second_differences(second_differences(point.e))
         on = np.arange(p)
-        band = self.smoothness * coupling(n_samples)
-        for d in range(3):
-            blocks[d][:, on, on] += band[d][:, None]
+        for d, part in enumerate(coupling(n_samples)):
+            blocks[d][:, on, on] += self.smoothness * part[:, None]
         blocks[0][:, on, on] += self.weight + DAMPING
         self._soles(point, shifts, blocks, g)
         self._joints(point, shifts, blocks, g)
@@ -95,7 +99,7 @@ class Problem:
         jacobians = self.constraints.jacobians(point.given.q)
         self._com = jacobians.com
         stands = self.constraints.stances.stands
-        weight = self.scale * WEIGHTS["pose"]
+        weight = self.scale * self.weights["pose"]
         J = np.where(stands[..., None, None], jacobians.soles, 0.0)
         J = J.reshape(len(J), 12, -1)
         r = np.where(stands[..., None], point.residuals.pose + shifts["pose"], 0.0)
@@ -106,17 +110,17 @@ class Problem:
         if len(low):
             C = -self.constraints.corner_jacobians(jacobians, point.body)[low]
             C = np.where(active[low][..., None] > 0.0, C, 0.0).reshape(len(low), 8, -1)
-            weight = self.scale * WEIGHTS["floor"]
+            weight = self.scale * self.weights["floor"]
             blocks[0][low] += weight * (C.transpose(0, 2, 1) @ C)
             g[low] += weight * (active[low].reshape(len(low), 1, 8) @ C)[:, 0]
 
     def _joints(self, point: Point, shifts: Shifts, blocks: Array, g: Array) -> None:
         joints = np.arange(FLOATING_BASE_NV, point.e.shape[1])
-        weight = self.scale * WEIGHTS["range"]
+        weight = self.scale * self.weights["range"]
         active = _active("range", point.residuals.range, shifts["range"])
         g[:, joints] += weight * (active[:, 0] - active[:, 1])
         blocks[0][:, joints, joints] += weight * (active > 0.0).any(axis=1)
-        weight = self.scale * WEIGHTS["speed"]
+        weight = self.scale * self.weights["speed"]
         active = _active("speed", point.residuals.speed, shifts["speed"])
         push = weight * (active[:, 0] - active[:, 1])
         g[1:, joints] += push
@@ -127,7 +131,7 @@ class Problem:
         blocks[1][:-1, joints, joints] -= on
 
     def _zmp(self, point: Point, shifts: Shifts, blocks: Array, g: Array) -> None:
-        weight = self.scale * WEIGHTS["zmp"]
+        weight = self.scale * self.weights["zmp"]
         active = _active("zmp", point.residuals.zmp, shifts["zmp"])
         k = np.flatnonzero(active.any(axis=1))
         k = k[(k > 0) & (k < len(active) - 1)]
@@ -160,10 +164,12 @@ def solve(problem: Problem, q: Array, progress: Progress | None = None) -> Point
     model = problem.reference.robot.model
     shifts = _no_shifts(problem, q)
     point = problem.at(q, shifts)
-    for turn in range(ROUNDS):
+    for turn, share in enumerate(ZMP_SHARES):
+        problem.weights["zmp"] = share * WEIGHTS["zmp"]
+        point = problem.at(point.given.q, shifts)
         for _ in range(STEPS):
             if progress is not None:
-                progress(turn, ROUNDS)
+                progress(turn, len(ZMP_SHARES))
             step = problem.step(point, shifts)
             size, found = 1.0, None
             for _ in range(HALVINGS):
@@ -184,8 +190,9 @@ def solve(problem: Problem, q: Array, progress: Progress | None = None) -> Point
             if fell < ENOUGH * point.objective:
                 break
         for name, r in vars(point.residuals).items():
+            if name == "zmp" and share < 1.0:
+                continue
             shifts[name] = np.clip(_active(name, r, shifts[name]), -LARGEST, LARGEST)
-        point = problem.at(point.given.q, shifts)
     return point
 
 

@@ -109,5 +109,5 @@ def test_a_robot_on_other_parts_than_its_soles_is_not_repaired():
     given = undamaged("melson/squat", 50.0)
     q = given.q.copy()
     q[:, 3:7], q[:, 2] = [0.7071067811865476, 0.0, 0.0, 0.7071067811865476], 0.04
-    with pytest.raises(MgsError, match="other parts than the soles"):
+    with pytest.raises(MgsError, match="other parts than the soles bear"):
         repair(dataclasses.replace(given, q=q))
