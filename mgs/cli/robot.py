@@ -111,8 +111,9 @@ def check(ctx: click.Context, name: str, as_json: bool) -> None:
 
     NAME_OR_DIR is the name of a shipped robot or a robot folder. The checks cover inertias, legs,
     symmetry, joint limits, soles, balance and collisions in the half-sitting posture. If all of
-    them pass, every installed physics engine loads the robot, and two steps of the default walk are
-    planned and checked. Each failed check is printed with a remedy. Exit code 1 if a check fails.
+    them pass, every installed physics engine loads the robot, and the default walk is planned and
+    checked, without physics. Each failed check is printed with a remedy. Exit code 1 if a check
+    fails.
 
     \b
     Example:
@@ -122,7 +123,7 @@ def check(ctx: click.Context, name: str, as_json: bool) -> None:
 
     from mgs.robot import load_robot
     from mgs.robot.soundness import check_robot
-    from mgs.search.first_steps import check_use
+    from mgs.search.default_walk import check_use
 
     model = load_robot(name)
     findings = check_robot(model)

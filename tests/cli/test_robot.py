@@ -25,7 +25,7 @@ FINDINGS = [
     "strength",
     "collisions",
     "engines",
-    "first_steps",
+    "default_walk",
 ]
 
 

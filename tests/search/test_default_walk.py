@@ -9,8 +9,8 @@ import pytest
 from mgs.core.engines import available_engines
 from mgs.core.errors import SimulationError
 from mgs.robot import load_robot
-from mgs.search import first_steps
-from mgs.search.first_steps import check_use
+from mgs.search import default_walk
+from mgs.search.default_walk import check_use
 
 
 def test_a_shipped_robot_is_loaded_and_walks():
@@ -23,7 +23,7 @@ def test_a_robot_that_an_engine_refuses_is_named(monkeypatch: pytest.MonkeyPatch
     def refuse(name: str, robot: object, settings: object) -> None:
         raise SimulationError(f"{name} has loaded another robot than {robot}")
 
-    monkeypatch.setattr(first_steps, "make_engine", refuse)
+    monkeypatch.setattr(default_walk, "make_engine", refuse)
     engines, _ = check_use(load_robot("melson"))
     assert not engines.ok
     assert "has loaded another robot" in engines.figure

@@ -1,14 +1,13 @@
-"""What a robot can do as it is: engines load it, and it takes two steps of the default walk.
+"""What a robot can do as it is: engines load it, and the default walk keeps its limits.
 
 These are the checks of a robot folder that need more than the folder: a robot may be sound by
-itself, and still an engine refuses it, or its first steps leave a limit.
+itself, and still an engine refuses it, or its walk leaves a limit.
 """
 
 from __future__ import annotations
 
 from mgs.core.engines import available_engines
 from mgs.core.errors import MgsError
-from mgs.gait import load_gait
 from mgs.judge.motion_checks import check_motion
 from mgs.pipeline import request
 from mgs.robot import Robot
@@ -18,8 +17,8 @@ from mgs.sim.settings import DEFAULTS
 
 
 def check_use(robot: Robot) -> list[Finding]:
-    """Load a robot in every installed engine, and plan two steps of the default walk."""
-    return [_engines(robot), _steps(robot)]
+    """Load a robot in every installed engine, and plan the default walk."""
+    return [_engines(robot), _walk(robot)]
 
 
 def _engines(robot: Robot) -> Finding:
@@ -38,17 +37,17 @@ def _engines(robot: Robot) -> Finding:
     )
 
 
-def _steps(robot: Robot) -> Finding:
+def _walk(robot: Robot) -> Finding:
     remedy = "see what the message or the check names; other sizes of the walk may help"
     try:
-        motion = request.generate(robot, load_gait("walk"), walk__n_steps=2)
+        motion = request.generate(robot, "walk")
     except MgsError as error:
-        return Finding("first_steps", False, f"no default walk: {error}", remedy)
+        return Finding("default_walk", False, f"no default walk: {error}", remedy)
     # what has no time, such as the RMS torque, is a property of a whole walk
     checks = [check for check in check_motion(motion) if check.time is not None]
     failed = [check for check in checks if not check.ok]
     told = "; ".join(
         f"{c.name} {c.value:.3g} of {c.limit:.3g} {c.unit} {c.where}".rstrip() for c in failed
     )
-    figure = told or "two steps of the default walk keep every limit"
-    return Finding("first_steps", not failed, figure, remedy)
+    figure = told or "the default walk keeps every limit"
+    return Finding("default_walk", not failed, figure, remedy)
