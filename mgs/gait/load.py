@@ -13,7 +13,7 @@ from mgs.core.errors import ConfigError
 from mgs.core.foreign import told_as
 from mgs.core.input_files import read_text
 from mgs.core.wrong_type import wrong_type
-from mgs.core.yaml_text import parse_yaml
+from mgs.core.yaml_text import dump_yaml, parse_yaml
 from mgs.gait.changes import apply, changes_of
 from mgs.gait.find import find_gait
 from mgs.gait.gait_file import GaitFile
@@ -42,7 +42,9 @@ def load_gait(
         if not assignments and not settings:
             return gait
         source = f"{gait.motion} gait"
-        return parse_gait(gait.to_yaml(), source, assignments, settings=settings)
+        # what the gait leaves out stays left out, since `sizes: robot` derives only that
+        stated = dump_yaml(gait.model_dump(exclude_unset=True))
+        return parse_gait(stated, source, assignments, settings=settings)
     if not isinstance(gait, str | Path):
         raise wrong_type("the gait", "a Gait, the name of a shipped gait or a file", gait)
     path = find_gait(gait)

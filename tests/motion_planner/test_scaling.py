@@ -60,6 +60,14 @@ def test_the_generic_walk_names_neither_robot_nor_sizes():
     assert gait.walk.model_fields_set == {"n_steps", "sizes"}
 
 
+def test_a_gait_that_is_changed_keeps_leaving_its_sizes_to_the_robot():
+    by_name = load_gait("walk", robot="melson")
+    by_object = load_gait(load_gait("walk"), robot="melson")
+    assert by_object == by_name
+    assert by_object.walk.model_fields_set == {"n_steps", "sizes"}
+    assert for_robot(by_object, MELSON) == for_robot(by_name, MELSON)
+
+
 def test_a_file_of_the_user_comes_before_the_generic_one(tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("walk").write_text("mgs: 1\nmotion: walk\nwalk: {n_steps: 9}")
