@@ -69,20 +69,23 @@ def read_placed(
         MgsError: a library is missing.
     """
     if layout is not None:
-        recorded = _read(path, robot, layout)
+        recorded = _read(path, robot, layout, choices)
         return layout, place_recorded(recorded, robot, choices, str(path))
     if path.suffix == ".mcap":
         raise ConfigError(path, "a motion file; all commands read it as it is")
-    fitting, refusals = [], {}
+    fitting, unlike, unclear = [], [], []
     for name in _possible(path):
         try:
-            recorded = _read(path, robot, name)
+            recorded = _read(path, robot, name, choices)
+        except MgsError as error:
+            unlike.append(f"not {name}: {_reason(error, path)}")
+            continue
+        try:
             fitting.append(_candidate(name, recorded, robot, choices, path))
         except MgsError as error:
-            refusals[name] = str(error).removeprefix(f"{path}: ")
+            unclear.append(f"as {name}: {_reason(error, path)}")
     if not fitting:
-        told = [f"not {name}: {reason}" for name, reason in refusals.items()]
-        raise ConfigError(path, ["of no layout that is known; --layout names one", *told])
+        raise ConfigError(path, unclear or ["it has no layout that is known", *unlike])
     fitting.sort(key=lambda candidate: candidate.misfit)
     best = fitting[0]
     for other in fitting[1:]:
@@ -100,12 +103,19 @@ def read_placed(
 def _possible(path: Path) -> list[str]:
     suffix = "" if path.is_dir() else path.suffix.lower()
     names = [name for name, entry in FORMATS.items() if entry.suffix == suffix and entry.readable]
+    if not names:
+        told = f"end in {suffix!r}" if suffix else "have no ending"
+        raise ConfigError(path, f"files of no layout {told}; say which layout it has by --layout")
     return [*names, JOINT_TABLE] if suffix == ".csv" else names
 
 
-def _read(path: Path, robot: Robot, layout: str) -> RecordedMotion:
+def _reason(error: MgsError, path: Path) -> str:
+    return str(error).removeprefix(f"{path}: ")
+
+
+def _read(path: Path, robot: Robot, layout: str, choices: Choices) -> RecordedMotion:
     if layout != JOINT_TABLE:
-        return find_format(layout).read(path, robot)
+        return find_format(layout).read(path, robot, choices.order)
     log = read_csv_log(path)
     if not np.isfinite(log.position).all():
         raise ConfigError(path, "has empty cells, so that it is a log and no motion")

@@ -115,21 +115,17 @@ def _joints(
     """Angles and, if the file has them, velocities (T, n) in the order of the robot's joints."""
     names = recorded.joint_names
     if names is None:
-        order = choices.order or recorded.order
-        if order is None:
+        if choices.order is None and recorded.order is None:
             raise ConfigError(
                 source, "the file names no joints; give their order with --order depth-first or "
                 "breadth-first"
             )  # fmt: skip
-        names = robot_order(robot, order).joints
-        if len(names) != recorded.joints.shape[1]:
-            raise ConfigError(
-                source,
-                f"the file has {recorded.joints.shape[1]} joints without names, robot "
-                f"{robot.spec.name} has {len(names)}; use a robot folder with the same joints "
-                "(`locked` in robot.yaml fixes those that the file lacks)",
-            )
-        notes.append(f"joints without names, taken {order}: {names[0]}, {names[1]}, ...")
+        raise ConfigError(
+            source,
+            f"the file has {recorded.joints.shape[1]} joints without names, robot "
+            f"{robot.spec.name} has {robot.n}; use a robot folder with the same joints (`locked` "
+            "in robot.yaml fixes those that the file lacks)",
+        )
     known = [name for name in robot.joint_names if name in names]
     if not known:
         raise ConfigError(

@@ -94,12 +94,15 @@ class Format:
             written: Written = self._module().write(sampled, path, options)
         return written
 
-    def read(self, path: Path, robot: Robot | None = None) -> RecordedMotion:
+    def read(
+        self, path: Path, robot: Robot | None = None, order: Order | None = None
+    ) -> RecordedMotion:
         """Motion in a file.
 
         Args:
             path: the file or folder.
             robot: whose motion it is, for formats that do not name their joints; None: unknown.
+            order: of joints and links that the file does not name; None: that of the format.
 
         Raises:
             ConfigError, MotionFileError: the file is missing, damaged or of another layout.
@@ -110,7 +113,7 @@ class Format:
             raise MgsError(f"{path}: files of format {self.name} cannot be read, only written")
         with self._libraries():
             recorded: RecordedMotion = module.read(path, robot)
-        return recorded if robot is None else with_names(recorded, robot)
+        return recorded if robot is None else with_names(recorded, robot, order)
 
     @property
     def readable(self) -> bool:
@@ -138,14 +141,28 @@ class Format:
             ) from error
 
 
-def with_names(recorded: RecordedMotion, robot: Robot) -> RecordedMotion:
-    """A motion with the names of a robot's joints, if it has none and as many in a stated order."""
-    if recorded.joint_names is not None or recorded.order is None:
+def with_names(
+    recorded: RecordedMotion, robot: Robot, order: Order | None = None
+) -> RecordedMotion:
+    """A motion with the names of a robot's joints, if it has none and as many as the robot.
+
+    Args:
+        recorded: what the file says.
+        robot: whose motion it is.
+        order: of joints and links without names; None: that of the layout, if it has one.
+    """
+    if recorded.joint_names is not None:
+        ignored = () if order is None else ("the file names its joints: no order is needed",)
+        return dataclasses.replace(recorded, notes=(*recorded.notes, *ignored))
+    if (order := order or recorded.order) is None:
         return recorded
-    names = robot_order(robot, recorded.order).joints
+    names = robot_order(robot, order).joints
     if len(names) != recorded.joints.shape[1]:
         return recorded
-    return dataclasses.replace(recorded, joint_names=names)
+    note = f"the joints without names are taken {order}: {', '.join(names[:2])}, ..."
+    return dataclasses.replace(
+        recorded, joint_names=names, order=order, notes=(*recorded.notes, note)
+    )
 
 
 def chosen_joints(

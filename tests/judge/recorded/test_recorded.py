@@ -16,6 +16,7 @@ from mgs.motion.sampled import sample
 from mgs.motion_file import read_motion, write_motion
 from mgs.motion_file.formats import FORMATS, Options
 from mgs.robot import load_robot
+from mgs.robot.orders import robot_order
 
 NOT_HERE = {"protomotions": "torch", "rosbag2": "rosbags"}  # layouts that need more than mgs
 HAVE_BASE = ("unitree-csv", "beyondmimic", "mjlab", "holosoma", "gmr", "locomujoco", "isaaclab-amp")
@@ -77,7 +78,6 @@ def test_the_order_of_quaternions_is_found_by_how_the_robot_stands(roll: int, tm
 
 
 def _depth_first(motion: mgs.Motion) -> np.ndarray:
-    from mgs.robot.orders import robot_order
 
     names = robot_order(motion.robot, "depth-first").joints
     return motion.q[:, [7 + motion.robot.joint_names.index(name) for name in names]]
@@ -115,6 +115,44 @@ def test_a_table_with_names_of_joints_keeps_the_others_in_the_posture(tmp_path: 
     joints = placed.given.q[:, 7:]
     changed = joints[0] != robot.posture
     assert [robot.joint_names[j] for j in np.flatnonzero(changed)] == ["left_knee_pitch"]
+
+
+def test_joints_without_names_are_taken_in_the_order_that_is_asked_for(tmp_path: Path):
+    """A table of Isaac Lab's order in a layout that is depth first by itself."""
+    motion = shipped("melson/walk_arc")
+    names = robot_order(motion.robot, "breadth-first").joints
+    columns = [7 + motion.robot.joint_names.index(name) for name in names]
+    path = tmp_path / "walk.csv"
+    np.savetxt(path, np.hstack([motion.q[:, :7], motion.q[:, columns]]), delimiter=",")
+    choices = Choices(fps=100.0, order="breadth-first")
+    _, placed = read_placed(path, motion.robot, "unitree-csv", choices)
+    np.testing.assert_allclose(placed.given.q, motion.q, atol=1e-12)
+    told = "the joints without names are taken breadth-first: waist_yaw, left_hip_yaw, ..."
+    assert told in placed.notes
+
+
+def test_an_order_is_not_needed_where_joints_have_names(tmp_path: Path):
+    path = exported("melson/walk_arc", "mjlab", tmp_path)
+    robot = load_robot("melson")
+    _, asked = read_placed(path, robot, "mjlab", Choices(order="breadth-first"))
+    _, expected = read_placed(path, robot, "mjlab", Choices())
+    np.testing.assert_array_equal(asked.given.q, expected.given.q)
+    assert "the file names its joints: no order is needed" in asked.notes
+
+
+def test_what_is_missing_is_asked_for_without_the_layouts_that_do_not_fit(tmp_path: Path):
+    path = exported("melson/walk_arc", "unitree-csv", tmp_path)
+    with pytest.raises(ConfigError) as caught:
+        read_placed(path, load_robot("melson"), None, Choices())
+    (told,) = str(caught.value).splitlines()
+    assert told.startswith(f"{path}: as unitree-csv: the file states no rate; give it with --fps")
+
+
+def test_an_ending_of_no_layout_is_told(tmp_path: Path):
+    path = tmp_path / "walk.mjlab"
+    path.write_bytes(b"")
+    with pytest.raises(ConfigError, match=r"files of no layout end in '\.mjlab'; say which"):
+        read_placed(path, load_robot("melson"), None, Choices())
 
 
 def test_a_file_of_another_robot_is_refused_with_the_reason(tmp_path: Path):

@@ -63,5 +63,5 @@ def read_tracking(path: Path, layout: str, order: Order, velocity_of: VelocityOf
         base_linear_velocity=root_velocity,
         base_angular_velocity=links.angular_velocity[:, 0],
         links=links,
-        notes=() if names else (f"the file names no joints; they are taken to be {order}",),
+        notes=() if names else ("the file names no joints",),
     )
