@@ -17,18 +17,19 @@ def refuse_taken(path: Path, force: bool) -> None:
     """Refuse to write where something is that must not be replaced.
 
     Raises:
-        OutputExistsError: something is there and `force` is not set, or a folder is there.
-        MgsError: `force` is set, and what is there is no regular file: a device, a pipe or a link,
-            whose target may be anywhere.
+        OutputExistsError: something is there and `force` is not set.
+        MgsError: `force` is set, and what is there is no regular file: a folder, a device, a pipe
+            or a link, whose target may be anywhere.
     """
     try:
         mode = path.lstat().st_mode
     except (FileNotFoundError, NotADirectoryError):
         return
-    if not force or stat.S_ISDIR(mode):
+    if not force:
         raise OutputExistsError(path)
     if not stat.S_ISREG(mode):
-        kind = "a link" if stat.S_ISLNK(mode) else "a device or a pipe"
+        kinds = {stat.S_IFLNK: "a link", stat.S_IFDIR: "a folder"}
+        kind = kinds.get(stat.S_IFMT(mode), "a device or a pipe")
         raise MgsError(f"{path}: {kind}, which is never replaced; use -o to write elsewhere")
 
 
@@ -65,9 +66,9 @@ def replacing_path(path: Path, *, folder: bool, force: bool = False) -> Iterator
         force: True: a folder at `path` is replaced if no other files are in it than the new ones.
 
     Raises:
-        OutputExistsError: something is there and `force` is not set, or a folder is in the place
-            of a file.
-        MgsError: a link, a device or a pipe is there, or a folder with other files.
+        OutputExistsError: something is there and `force` is not set.
+        MgsError: a link, a device or a pipe is there, a folder in the place of a file, or a folder
+            with other files.
     """
     refuse_place(path, folder, force)
     with _new_folders(path.parent):

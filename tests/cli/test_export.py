@@ -133,3 +133,14 @@ def test_what_a_format_cannot_hold_is_refused(
     assert result.exit_code == 2 and result.stdout == ""
     assert message in result.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("fmt", ["csv", "jtc"])
+def test_a_folder_in_the_place_of_a_file_is_told(walk_file: Path, tmp_path: Path, fmt: str):
+    """Asked to replace it, the command does not say again that it should be asked."""
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    result = run("export", walk_file, "--format", fmt, "-o", folder, "--force")
+    assert result.exit_code == 1, result.output
+    assert f"{folder}: a folder, which is never replaced; use -o" in result.output
+    assert list(tmp_path.iterdir()) == [folder]

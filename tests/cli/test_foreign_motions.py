@@ -133,3 +133,29 @@ def test_what_cannot_be_repaired_is_told(tmp_path: Path):
     result = run("repair", path, "-o", tmp_path / "out.mcap")
     assert result.exit_code == 1 and "level floor" in result.output
     assert not (tmp_path / "out.mcap").exists()
+
+
+@pytest.mark.parametrize("n", [1, 5])
+def test_a_motion_too_short_for_an_audit_is_told(n: int, sunk: Path, tmp_path: Path):
+    """And no warning about means of nothing is printed."""
+    path = tmp_path / "short.csv"
+    path.write_text("\n".join(sunk.read_text().splitlines()[:n]))
+    result = run("audit", path, "--robot", "melson", "--layout", "unitree-csv", "--fps", "30")
+    assert result.exit_code == 2 and "Traceback" not in result.output, result.output
+    assert f"has {n} " in result.output
+
+
+def test_a_motion_of_the_least_length_is_audited(table: Path, tmp_path: Path):
+    path = tmp_path / "short.csv"
+    path.write_text("\n".join(table.read_text().splitlines()[:6]))
+    result = run("audit", path, "--robot", "melson", "--layout", "unitree-csv", "--fps", "30")
+    assert result.exit_code == 0 and "CLEAN" in result.output, result.output
+
+
+def test_a_motion_of_one_frame_is_not_imported(table: Path, tmp_path: Path):
+    path, target = tmp_path / "one.csv", tmp_path / "one.mcap"
+    path.write_text(table.read_text().splitlines()[0])
+    for layout in ([], ["--layout", "unitree-csv"]):
+        result = run("import", path, "--robot", "melson", "--fps", "30", *layout, "-o", target)
+        assert (result.exit_code, target.exists()) == (2, False), result.output
+        assert "has 1 frame; a motion has at least 2" in result.output

@@ -23,7 +23,7 @@ from mgs.judge.audit.velocities import velocity_findings
 from mgs.motion import Motion
 from mgs.motion_file import read_motion
 
-LEAST_SAMPLES = 3
+LEAST_SAMPLES = 6  # the noise on five steps is the first that can be told
 SHARES = ("left", "right", "double", "other", "none")
 
 

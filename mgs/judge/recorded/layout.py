@@ -17,6 +17,7 @@ from mgs.core.errors import ConfigError, MgsError
 from mgs.core.short_repr import short_repr
 from mgs.judge.audit.body import body_along
 from mgs.judge.audit.orientation import BETTER
+from mgs.judge.audit.run import LEAST_SAMPLES
 from mgs.judge.audit.tree import JointPoses, joint_poses
 from mgs.judge.audit.velocities import velocity_findings
 from mgs.judge.recorded.placed import Choices, Placed, place_recorded
@@ -140,7 +141,7 @@ def _candidate(
             names = robot_order(robot, recorded.order).links
         if names is not None and len(names) == recorded.links.position.shape[1]:
             error = _link_error(robot, joint_poses(robot, given.q), names, recorded)
-    if given.n_samples >= 3:
+    if given.n_samples >= LEAST_SAMPLES:
         n_velocity = len(velocity_findings(given, body_along(given)))
     return Candidate(layout, placed, error, n_velocity)
 

@@ -25,6 +25,7 @@ from mgs.robot import Robot
 from mgs.robot.orders import Order, robot_order
 
 QuaternionOrder = Literal["xyzw", "wxyz"]
+LEAST_FRAMES = 2
 LEAST_RATE = 10.0  # [Hz]: a sampling period of 0.1 s is the longest that a motion file has
 SAME_RATE = 1e-3  # relative
 UPRIGHT = 0.9  # mean size of one of the four numbers that tells the scalar part
@@ -58,8 +59,13 @@ def place_recorded(recorded: RecordedMotion, robot: Robot, choices: Choices, sou
     """The motion of a file on a robot.
 
     Raises:
-        ConfigError: joints, rate or quaternions are unknown or do not fit the robot.
+        ConfigError: joints, rate or quaternions are unknown or do not fit the robot, or there is
+            one frame only.
     """
+    if recorded.n_frames < LEAST_FRAMES:
+        raise ConfigError(
+            source, f"has {recorded.n_frames} frame; a motion has at least {LEAST_FRAMES}"
+        )
     notes = list(recorded.notes)
     fps = _rate(recorded, choices, source, notes)
     joints, velocity = _joints(recorded, robot, choices, source, notes)
