@@ -119,7 +119,7 @@ def _read(path: Path, robot: Robot, layout: str, choices: Choices) -> RecordedMo
         return find_format(layout).read(path, robot, choices.order)
     log = read_csv_log(path)
     if not np.isfinite(log.position).all():
-        raise ConfigError(path, "has empty cells, so that it is a log and no motion")
+        raise ConfigError(path, "has cells without a number, so that it is a log and no motion")
     return RecordedMotion(
         layout=JOINT_TABLE,
         fps=rate_of(Reading(path), log.times),

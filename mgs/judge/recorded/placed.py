@@ -148,11 +148,29 @@ def _joints(
     to, at = [robot.joint_names.index(n) for n in known], [names.index(n) for n in known]
     joints = np.tile(robot.posture, (recorded.n_frames, 1))
     joints[:, to] = recorded.joints[:, at]
+    _refuse_degrees(robot, joints, source)
     if recorded.joint_velocity is None:
         return joints, None
     velocity = np.zeros_like(joints)
     velocity[:, to] = recorded.joint_velocity[:, at]
     return joints, velocity
+
+
+def _refuse_degrees(robot: Robot, joints: Array, source: str) -> None:
+    """Refuse angles of which, in half of the frames, one is a turn beyond the range of its joint.
+
+    No robot does so, while nearly every motion in degrees does. Joints that turn without end may.
+    """
+    beyond = np.maximum(joints - robot.upper, robot.lower - joints) > 2.0 * np.pi
+    if 2 * np.count_nonzero(beyond.any(axis=1)) > len(joints):
+        j = int(np.argmax(np.count_nonzero(beyond, axis=0)))
+        k = int(np.argmax(beyond[:, j]))
+        raise ConfigError(
+            source,
+            f"{robot.joint_names[j]} is at {joints[k, j]:.4g} rad in frame {k}, more than a turn "
+            f"beyond its range ({robot.lower[j]:.4g} to {robot.upper[j]:.4g}); angles are read in "
+            "radians: if the file has degrees, multiply them by pi / 180",
+        )
 
 
 def _in_order(

@@ -131,6 +131,23 @@ def test_joints_without_names_are_taken_in_the_order_that_is_asked_for(tmp_path:
     assert told in placed.notes
 
 
+def test_angles_in_degrees_are_refused(tmp_path: Path):
+    """A knee of 50 degrees is no knee of 50 rad; one damaged frame is for an audit to tell."""
+    motion = shipped("melson/walk_arc")
+    head = "time," + ",".join(motion.robot.joint_names)
+    path = tmp_path / "walk.csv"
+    table = np.column_stack([motion.times, np.rad2deg(motion.q[:, 7:])])
+    np.savetxt(path, table, delimiter=",", header=head, comments="")
+    for layout in (None, "joint-table"):
+        with pytest.raises(ConfigError, match=r"beyond its range .* degrees, multiply"):
+            read_placed(path, motion.robot, layout, Choices())
+    table = np.column_stack([motion.times, motion.q[:, 7:]])
+    table[7, 4] = 50.0
+    np.savetxt(path, table, delimiter=",", header=head, comments="")
+    _, placed = read_placed(path, motion.robot, None, Choices())
+    assert placed.given.q[7, 10] == 50.0
+
+
 def test_an_order_is_not_needed_where_joints_have_names(tmp_path: Path):
     path = exported("melson/walk_arc", "mjlab", tmp_path)
     robot = load_robot("melson")
