@@ -9,10 +9,17 @@ import click
 
 from mgs.cli.colour import bad, good
 from mgs.cli.common import json_option, print_json, say, with_progress
-from mgs.cli.foreign_options import choices_of, foreign_argument, foreign_options, placed_of
+from mgs.cli.foreign_options import (
+    choices_of,
+    foreign_argument,
+    foreign_options,
+    placed_of,
+    read_own,
+)
 
 if TYPE_CHECKING:
     from mgs.judge.audit import Audit, GivenMotion
+    from mgs.judge.recorded import Choices
     from mgs.judge.verdict import Verdict
     from mgs.motion import Motion
 
@@ -86,18 +93,17 @@ def audit(
 
 
 def _read(
-    file: Path, robot: str | None, layout: str | None, choices: object, as_motion: bool
+    file: Path, robot: str | None, layout: str | None, choices: Choices, as_motion: bool
 ) -> tuple[GivenMotion, Motion | None, list[str]]:
     """The motion of a file, as a motion of mgs too if that is wanted, and what was decided."""
     import mgs
     from mgs.judge.audit import given_by
     from mgs.judge.recorded import motion_of
-    from mgs.motion_file import read_motion
 
     if file.suffix == ".mcap" and layout is None:
-        motion = read_motion(file)
+        motion = read_own(file, robot, choices)
         return given_by(motion), motion, []
-    found, placed = placed_of(file, robot, layout, choices)  # type: ignore[arg-type]
+    found, placed = placed_of(file, robot, layout, choices)
     made = motion_of(placed, found, file.name, mgs.__version__, file.stem) if as_motion else None
     return placed.given, made, [f"layout {found}", *placed.notes]
 

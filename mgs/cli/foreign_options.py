@@ -11,6 +11,7 @@ from mgs.cli.common import FiniteRange
 
 if TYPE_CHECKING:
     from mgs.judge.recorded import Choices, Placed
+    from mgs.motion import Motion
 
 foreign_argument = click.argument(
     "file", metavar="FILE", type=click.Path(exists=True, path_type=Path)
@@ -75,3 +76,28 @@ def placed_of(
             "--layout", unknown_name(layout, layouts()).replace("is not installed", "is unknown")
         )
     return read_placed(file, load_robot(robot), layout, choices)
+
+
+def read_own(file: Path, robot: str | None, choices: Choices) -> Motion:
+    """The motion of a motion file, which leaves nothing to choose.
+
+    Raises:
+        ConfigError: the user says of it what it says itself, or names another robot.
+        MotionFileError: it is damaged.
+    """
+    from mgs.core.errors import ConfigError
+    from mgs.motion_file import read_motion
+    from mgs.robot import load_robot
+
+    motion = read_motion(file)
+    for name in ("fps", "order", "quaternion"):
+        if getattr(choices, name) is not None:
+            raise ConfigError(
+                f"--{name}", f"{file} is a motion file, which states it; leave the option out"
+            )
+    own = motion.robot.spec.name
+    if robot is not None and (other := load_robot(robot).spec.name) != own:
+        raise ConfigError(
+            "--robot", f"{file} is a motion of robot {own}, not of {other}; leave the option out"
+        )
+    return motion

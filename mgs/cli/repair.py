@@ -10,7 +10,13 @@ import click
 
 from mgs.cli.colour import bad, good
 from mgs.cli.common import force_option, json_option, print_json, say, with_progress
-from mgs.cli.foreign_options import choices_of, foreign_argument, foreign_options, placed_of
+from mgs.cli.foreign_options import (
+    choices_of,
+    foreign_argument,
+    foreign_options,
+    placed_of,
+    read_own,
+)
 
 if TYPE_CHECKING:
     from mgs.judge.recorded import Choices, Placed
@@ -92,10 +98,9 @@ def _read(
 ) -> tuple[str, Placed]:
     from mgs.judge.audit import given_by
     from mgs.judge.recorded import Placed
-    from mgs.motion_file import read_motion
 
     if file.suffix == ".mcap" and layout is None:
-        return "mgs", Placed(given_by(read_motion(file)), "file", (), 0.0)
+        return "mgs", Placed(given_by(read_own(file, robot, choices)), "file", (), 0.0)
     return placed_of(file, robot, layout, choices)
 
 

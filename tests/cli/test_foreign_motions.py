@@ -159,3 +159,23 @@ def test_a_motion_of_one_frame_is_not_imported(table: Path, tmp_path: Path):
         result = run("import", path, "--robot", "melson", "--fps", "30", *layout, "-o", target)
         assert (result.exit_code, target.exists()) == (2, False), result.output
         assert "has 1 frame; a motion has at least 2" in result.output
+
+
+@pytest.mark.parametrize("command", ["audit", "repair"])
+@pytest.mark.parametrize(
+    ("said", "told"),
+    [
+        (["--robot", "coman"], "a motion of robot melson, not of coman"),
+        (["--fps", "30"], "--fps: "),
+        (["--quaternion", "wxyz"], "--quaternion: "),
+        (["--order", "depth-first"], "--order: "),
+    ],
+)
+def test_what_a_motion_file_states_is_not_asked_of_the_user(
+    walk_file: Path, tmp_path: Path, command: str, said: list[str], told: str
+):
+    target = tmp_path / "out.mcap"
+    output = ["-o", target] if command == "repair" else []
+    result = run(command, walk_file, *said, *output)
+    assert result.exit_code == 2 and told in result.output, result.output
+    assert "leave the option out" in result.output and not target.exists()
