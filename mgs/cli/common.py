@@ -30,6 +30,19 @@ motion_argument = click.argument(
 )
 
 
+class FiniteFloat(click.types.FloatParamType):
+    """Any finite number; the type of click accepts NaN and infinity."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Convert a text to a number; report a usage error if it is not finite."""
+        number: float = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value!r} is not a finite number.", param, ctx)
+        return number
+
+
 class FiniteRange(click.FloatRange):
     """Range of finite numbers; the range type of click accepts NaN."""
 

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mgs.cli.common import (
-    FiniteRange,
+    FiniteFloat,
     force_option,
     json_option,
     motion_argument,
     print_json,
     say,
 )
+from mgs.core.short_text import clipped
 
 if TYPE_CHECKING:
     from mgs.judge.logged.comparison import Comparison, JointComparison
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
     help="YAML file with the corrections that were applied when the motion was played.",
 )  # fmt: skip
 @click.option(
-    "--start", type=FiniteRange(),
+    "--start", type=FiniteFloat(), metavar="S",
     help="Time on the clock of the log when the motion began [s]. Default: found by correlation.",
 )  # fmt: skip
 @click.option("--topic", help="Topic of the joint states in an MCAP file or a bag.")
@@ -76,7 +77,8 @@ def compare(
     it), an MCAP file or the folder of a ROS 2 bag with messages sensor_msgs/JointState. Prints for
     each joint its delay, the offset of its zero, the play of its gear, its stiffness, and the joint
     error before and after these are taken into account. Finds the start of the motion in the log
-    and refuses a log in which it is ambiguous.
+    and refuses a log in which it is ambiguous. Exit code 1 if the log cannot be compared, 2 if it
+    cannot be read.
 
     \b
     Examples:
@@ -133,7 +135,7 @@ def _draw(comparison: Comparison, title: str, path: Path) -> None:
 def _print(comparison: Comparison) -> None:
     import numpy as np
 
-    told = "" if comparison.unit is None else f", corrected for {comparison.unit}"
+    told = "" if comparison.unit is None else f", corrected for {clipped(comparison.unit, 40)}"
     found = comparison.found
     if found is None:
         begins = f"the motion begins at {comparison.start:.3f} s of the log"

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mgs.cli.common import print_json, say
+from mgs.core.short_text import clipped
 
 if TYPE_CHECKING:
     import numpy as np
@@ -32,7 +33,7 @@ class Plan:
     def words(self) -> str:
         """What is sent, in one line."""
         goals = self.goals
-        unit = "" if goals.unit is None else f", corrected for {goals.unit}"
+        unit = "" if goals.unit is None else f", corrected for {clipped(goals.unit, 40)}"
         return (
             f"{len(self.ticks)} goals of {len(self.motors.ids)} servos at {goals.rate:g} Hz, "
             f"{goals.times[-1]:.2f} s: {goals.kind} joint angles{unit}"

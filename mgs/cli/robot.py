@@ -81,7 +81,9 @@ def show(name: str, as_json: bool) -> None:
     if as_json:
         print_json({"robot": model.spec.name, "mass": model.mass, "soles": soles, "joints": joints})
         return
-    say(f"{model.spec.name}: {model.n} joints, {model.mass:.3f} kg, soles {soles} m")
+    sizes = " and ".join(f"{1e3 * x:.0f} x {1e3 * y:.0f} mm" for x, y in soles.values())
+    say(f"{model.spec.name}: {model.n} joints, {model.mass:.3f} kg")
+    say(f"soles, left and right: {sizes}")
     say(
         f"{'joint':24s} {'servo':8s} {'range [deg]':>16s} {'posture':>8s} {'rad/s':>6s} {'N m':>5s}"
         "  role"

@@ -210,6 +210,6 @@ class LogError(MgsError):
 class OutputExistsError(MgsError):
     """A file is in the way of an output."""
 
-    def __init__(self, path: str | Path) -> None:
-        super().__init__(f"{path} exists; use --force to replace it, or -o to write elsewhere")
+    def __init__(self, path: str | Path, remedy: str = "use --force to replace it") -> None:
+        super().__init__(f"{path} exists; {remedy}, or -o to write elsewhere")
         self.path = str(path)

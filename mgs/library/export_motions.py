@@ -154,7 +154,7 @@ def _begin(out: Path, identity: Mapping[str, Any], resume: bool) -> None:
     path = out / ABOUT
     if not resume:
         if out.exists():
-            raise OutputExistsError(out)
+            raise OutputExistsError(out, "use --resume to continue an earlier export")
         replace_file(path, json.dumps(identity, indent=2).encode())
         return
     if not path.exists():

@@ -97,7 +97,10 @@ def export_motion(
     if lead_in is not None:
         commands = None if unit is None else unit.command_for(lead_in.start)
         frames = with_lead_in(frames, lead_in.seconds, lead_in.start, commands)
-    return write_sampled(frames, path, chosen, options, force=force)
+    exported = write_sampled(frames, path, chosen, options, force=force)
+    written = exported.written
+    told = dataclasses.replace(written, notes=(*options.remarks, *written.notes))
+    return dataclasses.replace(exported, written=told)
 
 
 def _remarks(unit: Unit | None, feed_forward: bool) -> tuple[str, ...]:

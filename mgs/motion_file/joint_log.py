@@ -21,7 +21,7 @@ from mgs.core.arrays import Array
 from mgs.core.atomic_files import refuse_taken, replace_file
 from mgs.core.errors import ConfigError
 from mgs.core.input_files import read_text
-from mgs.core.limits import MAX_LOG
+from mgs.core.limits import MAX_LOG, MAX_VALUE
 from mgs.core.short_repr import short_repr
 from mgs.core.short_text import shown
 
@@ -132,6 +132,8 @@ def joint_log(source: str, times: Array, columns: dict[str, dict[str, Array]]) -
 
     position = stacked("position")
     assert position is not None
+    if (np.abs(position) > MAX_VALUE).any():
+        raise ConfigError(source, f"an angle is larger than {MAX_VALUE:g}")
     return JointLog(source, names, times[order], position, stacked("command"))
 
 

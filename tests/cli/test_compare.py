@@ -68,6 +68,23 @@ def test_degrees_are_found_out_and_converted(tmp_path, squat):
     assert found["start_found"]["agreement"] > 0.95
 
 
+@pytest.mark.parametrize("start", ["-1000", "1000", "1.7e9"])
+def test_a_start_outside_the_log_is_told(tmp_path, squat, start):
+    result = run("compare", squat, log_of(squat, tmp_path), "--start", start)
+    assert result.exit_code == 1
+    assert f"did not begin at {float(start):.10g} s: the clock of the log goes" in result.stderr
+
+
+def test_angles_that_no_joint_has_are_refused(tmp_path, squat):
+    log = log_of(squat, tmp_path)
+    head, first, *rest = log.read_text().splitlines()
+    cells = first.split(",")
+    cells[1] = "1e300"
+    log.write_text("\n".join([head, ",".join(cells), *rest]))
+    result = run("compare", squat, log)
+    assert result.exit_code == 2 and "an angle is larger than 1e+09" in result.stderr
+
+
 def test_a_replay_in_physics_is_a_log(tmp_path, squat):
     record = tmp_path / "replay.mcap"
     replayed = run("replay", squat, "--servo", "model", "--engine", "mujoco", "--record", record)

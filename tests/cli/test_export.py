@@ -93,6 +93,8 @@ def test_motors_and_one_robot_are_taken_from_files(walk_file: Path, tmp_path: Pa
     for name, more in (("plain", ()), ("unit", ("--unit", unit)), ("fed", ("--feed-forward",))):
         result = run(*options, *more, "-o", tmp_path / f"{name}.csv")
         assert (result.exit_code, result.stderr) == (0, "")
+        assert ("corrected for the physical robot number 7" in result.stdout) == (name == "unit")
+        assert ("feed-forward commands" in result.stdout) == (name == "fed")
         lines = (tmp_path / f"{name}.csv").read_text().splitlines()
         told[name] = np.array([line.split(",") for line in lines if line[0] in "0123456789"], float)
     motion = read_motion(walk_file)

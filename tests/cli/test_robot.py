@@ -63,6 +63,7 @@ def test_show_lists_every_joint():
         assert joint["servo"] in ("RX-28", "AX-12")
     text = run("robot", "show", "melson").stdout
     assert all(joint["joint"] in text for joint in shown["joints"])
+    assert text.splitlines()[1] == "soles, left and right: 106 x 60 mm and 106 x 60 mm"
 
 
 @pytest.mark.parametrize("name", [path.parent.name for path in MELSON.parent.glob("*/robot.yaml")])

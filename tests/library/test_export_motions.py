@@ -75,7 +75,7 @@ def test_an_export_continues_with_the_same_choices_only(made: Made, tmp_path: Pa
     out, chosen = tmp_path / "out", Conversion("csv")
     export_motions(made[0], out, chosen)
     whole = files_below(out)
-    with pytest.raises(OutputExistsError):
+    with pytest.raises(OutputExistsError, match="--resume"):
         export_motions(made[0], out, chosen)
     assert files_below(out) == whole
     gone = sorted(out.glob("0*.csv"))[1]

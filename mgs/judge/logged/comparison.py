@@ -154,6 +154,11 @@ def compare_log(
     goals = goals_along(carried(motion, hung), None, kind, unit)
     told, y = goals.position[:, own], log.position[:, theirs]
     found = None
+    if start is not None and not log.times[0] - motion.duration < start < log.times[-1]:
+        raise LogError(
+            f"the motion did not begin at {start:.10g} s: the clock of the log goes from "
+            f"{log.times[0]:.10g} to {log.times[-1]:.10g} s"
+        )
     if start is None and log.is_motion_time:
         start = 0.0
     if start is None:
