@@ -219,7 +219,7 @@ def motors_of(
         told = ", ".join(missing[:3]) + (f" and {len(missing) - 3} more" if missing[3:] else "")
         problems.append(
             f"motors: no motor given for {told}; add its id and model, such as "
-            f"{{{missing[0]}: {{id: 1, model: XM430}}}}"
+            f"{{{missing[0]}: {{id: 1, model: XM430}}}}, there or in a file for --motors"
         )
     if problems:
         raise ConfigError(source, problems)

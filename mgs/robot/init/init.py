@@ -12,6 +12,7 @@ from mgs.core.atomic_files import refuse_taken, replace_files
 from mgs.core.contact import Side
 from mgs.core.errors import ConfigError
 from mgs.core.foreign import told_as
+from mgs.core.short_text import clipped, shown
 from mgs.robot.build import build_robot
 from mgs.robot.init.anatomy import Anatomy, find_anatomy
 from mgs.robot.init.bodies import clean_shapes, cleaned_urdf, link_names, mended_inertias
@@ -31,6 +32,7 @@ LEAST_SOLE, LARGEST_SOLE = 0.03, 0.8  # range of plausible sole sizes, as parts 
 LEAST_LEG_JOINTS = 5
 TALLEST = 10.0  # [m] largest plausible distance of the highest joint from the lowest one
 LARGEST_SHAPE = 30.0  # largest plausible size of a shape, as part of that distance
+LONGEST_NAME = 100  # of a robot, as robot.yaml has it
 MOST_LISTED = 5  # largest number of missing meshes in a message
 
 
@@ -85,7 +87,7 @@ def _drafted(urdf: Path, name: str | None, package_paths: tuple[Path, ...]) -> D
     shapes = clean_shapes(skeleton, anatomy, soles, posture.q, notes)
     arms = anatomy.arms
     draft = Draft(
-        name=name or source.name,
+        name=_checked_name(name) if name is not None else clipped(source.name, LONGEST_NAME),
         skeleton=skeleton,
         links=links,
         anatomy=anatomy,
@@ -111,6 +113,16 @@ def _drafted(urdf: Path, name: str | None, package_paths: tuple[Path, ...]) -> D
         robot=build_robot(text, urdf_text, urdf),
         notes=notes,
     )
+
+
+def _checked_name(name: str) -> str:
+    """The name that a user gives the robot; it stands in comments and in XML."""
+    if not 0 < len(name) <= LONGEST_NAME or not name.isprintable() or name != name.strip():
+        raise ConfigError(
+            "name",
+            f"{shown(name)} is no name of a robot; use 1 to {LONGEST_NAME} characters on one line",
+        )
+    return name
 
 
 def _apart(

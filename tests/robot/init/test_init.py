@@ -336,3 +336,22 @@ def test_nothing_is_overwritten_without_force(tmp_path: Path):
     write_robot(draft, tmp_path / "mine", force=True)
     names = {path.name for path in (tmp_path / "mine").iterdir()}
     assert names == {"robot.urdf", "robot.yaml", "README.md"}
+
+
+@pytest.mark.parametrize("name", ["", " mine", "a\nlocked: {}", "red\x1b[31m", "x" * 101])
+def test_a_name_that_is_none_is_refused(name: str, tmp_path: Path):
+    path = tmp_path / "some.urdf"
+    path.write_text(Biped().urdf())
+    with pytest.raises(ConfigError, match="is no name of a robot; use 1 to 100 characters"):
+        init_robot(path, name)
+
+
+def test_line_ends_in_the_name_of_a_urdf_add_nothing_to_robot_yaml(tmp_path: Path):
+    """They would end the comment in which the name stands."""
+    text = Biped().urdf()
+    head = text[: text.index(">", text.index("<robot")) + 1]
+    path = tmp_path / "some.urdf"
+    path.write_text(text.replace(head, '<robot name="a&#10;locked: {left_knee: 0.0}">', 1))
+    draft = init_robot(path)
+    assert draft.robot.spec.name == "a locked: {left_knee: 0.0}"
+    assert "\nlocked: {left_knee" not in draft.yaml and not draft.robot.spec.locked
