@@ -102,8 +102,12 @@ def read_placed(
 
 
 def _possible(path: Path) -> list[str]:
-    suffix = "" if path.is_dir() else path.suffix.lower()
-    names = [name for name, entry in FORMATS.items() if entry.suffix == suffix and entry.readable]
+    suffix, folder = "" if path.is_dir() else path.suffix.lower(), path.is_dir()
+    names = [
+        name
+        for name, entry in FORMATS.items()
+        if (entry.suffix, not entry.suffix) == (suffix, folder) and entry.readable
+    ]
     if not names:
         told = f"end in {suffix!r}" if suffix else "have no ending"
         raise ConfigError(path, f"files of no layout {told}; say which layout it has by --layout")

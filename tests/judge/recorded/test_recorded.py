@@ -170,6 +170,10 @@ def test_an_ending_of_no_layout_is_told(tmp_path: Path):
     path.write_bytes(b"")
     with pytest.raises(ConfigError, match=r"files of no layout end in '\.mjlab'; say which"):
         read_placed(path, load_robot("melson"), None, Choices())
+    path = tmp_path / "walk"
+    path.write_bytes(b"")
+    with pytest.raises(ConfigError, match="files of no layout have no ending; say which"):
+        read_placed(path, load_robot("melson"), None, Choices())
 
 
 def test_a_file_of_another_robot_is_refused_with_the_reason(tmp_path: Path):
