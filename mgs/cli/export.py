@@ -40,9 +40,9 @@ if TYPE_CHECKING:
     "it [s]. Default: none.",
 )  # fmt: skip
 @click.option(
-    "--lead-in-from", metavar="POSTURE", default="half-sitting", show_default=True,
+    "--lead-in-from", metavar="POSTURE",
     help="Posture at the beginning of --lead-in: half-sitting, zero, or a YAML file with angles by "
-    "name of the joint [rad].",
+    "name of the joint [rad]. Default: half-sitting.",
 )  # fmt: skip
 @force_option
 @json_option
@@ -53,7 +53,7 @@ def export(
     choice: Choice,
     as_cycle: bool,
     lead_in: float | None,
-    lead_in_from: str,
+    lead_in_from: str | None,
     force: bool,
     as_json: bool,
 ) -> None:
@@ -76,11 +76,13 @@ def export(
     from mgs.motion.cycle import find_cycle
     from mgs.motion_file import read_motion
     from mgs.motion_file.export import LeadIn, export_motion
-    from mgs.robot.start_posture import start_posture
+    from mgs.robot.start_posture import HALF_SITTING, start_posture
     from mgs.robot.unit import load_unit
 
     suffix = FORMATS[fmt].suffix
     path = output or file.with_suffix(suffix if fmt in ("csv", "npz") else f".{fmt}{suffix}")
+    if lead_in_from is not None and lead_in is None:
+        raise click.UsageError("--lead-in-from needs --lead-in, the duration of the way.")
     refuse_place(path, not suffix, force)
     options = choice.options()
     motion = read_motion(file)
@@ -96,7 +98,7 @@ def export(
         feed_forward=choice.feed_forward,
         lead_in=None
         if lead_in is None
-        else LeadIn(lead_in, start_posture(motion.robot, lead_in_from)),
+        else LeadIn(lead_in, start_posture(motion.robot, lead_in_from or HALF_SITTING)),
         force=force,
     )
     if as_json:

@@ -63,7 +63,10 @@ def test_a_motion_without_a_cycle_is_refused_without_a_file(walk_file: Path, tmp
     assert files_below(tmp_path) == {}
 
 
-@pytest.mark.parametrize("wrong", [["--format", "xml"], ["--cycles"], ["nowhere.mcap"]])
+@pytest.mark.parametrize(
+    "wrong",
+    [["--format", "xml"], ["--cycles"], ["--lead-in-from", "zero"], ["nowhere.mcap"]],
+)
 def test_wrong_usage_has_exit_code_two(walk_file: Path, wrong: list[str]):
     arguments = wrong if wrong == ["nowhere.mcap"] else [str(walk_file), *wrong]
     assert run("export", *arguments).exit_code == 2

@@ -129,11 +129,15 @@ class Reading:
         found = found / length
         return np.roll(found, -1, axis=-1) if scalar_first else found
 
-    def fps(self, value: object) -> float:
-        """Frames per second [Hz]; raises MotionFileError if it is no positive number."""
+    def fps(self, value: object, key: str = "fps", unit: str = "Hz") -> float:
+        """Frames per second, or the period of a frame; `key` and `unit` name it in the message.
+
+        Raises:
+            MotionFileError: it is no positive number.
+        """
         found = numbers(value)
         if found is None or found.size != 1 or not 0.0 < float(found.reshape(-1)[0]) < np.inf:
-            raise self.error("fps should be one positive number [Hz]")
+            raise self.error(f"{key} should be one positive number [{unit}]")
         return float(found.reshape(-1)[0])
 
     def names(self, name: str, value: object) -> tuple[str, ...]:

@@ -90,7 +90,12 @@ def read_frames(path: Path) -> tuple[Reading, dict[str, Any], Array, float]:
     if not isinstance(content, dict):
         raise reading.error("not a JSON object")
     frames = reading.array("Frames", content.get("Frames"), None, None)
-    return reading, content, frames, 1.0 / reading.fps(content.get("FrameDuration"))
+    return (
+        reading,
+        content,
+        frames,
+        1.0 / reading.fps(content.get("FrameDuration"), "FrameDuration", "s"),
+    )
 
 
 def split(frames: Array, widths: dict[str, int]) -> Columns:

@@ -78,7 +78,7 @@ def read(path: Path, robot: Robot | None = None) -> RecordedMotion:
             raise reading.error(f"split_points: {end} is outside 1 to {len(qpos)}")
     return RecordedMotion(
         layout="locomujoco",
-        fps=reading.fps(arrays.get("frequency")),
+        fps=reading.fps(arrays.get("frequency"), "frequency"),
         joint_names=names[1:],
         order="depth-first",
         joints=qpos[:end, FLOATING_BASE_NQ:],

@@ -45,7 +45,7 @@ def read(path: Path, robot: Robot | None = None) -> RecordedMotion:
     joints = reading.array("position", arrays.get("position"), None, len(names))
     return RecordedMotion(
         layout="npz",
-        fps=round(1.0 / reading.fps(arrays.get("dt")), 9),
+        fps=round(1.0 / reading.fps(arrays.get("dt"), "dt", "s"), 9),
         joint_names=names,
         order=None,
         joints=joints,

@@ -69,7 +69,7 @@ def read(path: Path, robot: Robot | None = None) -> RecordedMotion:
     time = found.get("sampling_time")
     return RecordedMotion(
         layout="blf-mat",
-        fps=None if time is None else 1.0 / reading.fps(time),
+        fps=None if time is None else 1.0 / reading.fps(time, "sampling_time", "s"),
         joint_names=names,
         order=None,
         joints=joints,
