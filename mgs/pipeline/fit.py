@@ -52,7 +52,7 @@ class Fit:
         return self.use <= MOST_USE
 
     def __str__(self) -> str:
-        changed = ", ".join(f"{key} {value:g}" for key, value in self.changes.items())
+        changed = ", ".join(f"{key} {x:g} {_unit(key)}" for key, x in self.changes.items())
         used = "links touch" if math.isinf(self.use) else f"{100 * self.use:.0f} % used"
         sizes = f"changed to {changed}" if changed else "as derived from the robot"
         return f"sizes {sizes}; limited by {self.limited_by}, {used} ({self.tried} tried)"
@@ -141,6 +141,11 @@ def _options(robot: Robot, gait: WalkGait, derived: WalkGait) -> list[list[dict[
                 [{key: _rounded(key, values[key] * f, gait.dt) for key in free} for f in factors]
             )
     return found
+
+
+def _unit(key: str) -> str:
+    """Unit of a value that may change."""
+    return "s" if key in TIMES or key in RESTS else "rad" if key == "step_yaw" else "m"
 
 
 def _rounded(key: str, value: float, dt: float) -> float:
