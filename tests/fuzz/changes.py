@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import random
@@ -57,7 +58,8 @@ def changed_tree(tree: Any, rng: random.Random) -> Any:
             case 1 if isinstance(node, dict):
                 node[rng.choice(["x", "", "goal", "steps", "\x1b"])] = rng.choice(SCALARS)
             case 2 if isinstance(node[last], int | float):
-                node[last] = type(node[last])(node[last] * rng.choice(FACTORS))
+                with contextlib.suppress(OverflowError):  # an integer made before
+                    node[last] = type(node[last])(node[last] * rng.choice(FACTORS))
             case 3:
                 node[last] = node[
                     rng.choice(list(node if isinstance(node, dict) else range(len(node))))
