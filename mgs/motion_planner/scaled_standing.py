@@ -13,6 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from mgs.core.arrays import Array
+from mgs.core.config import build
 from mgs.core.contact import Side
 from mgs.core.errors import ConfigError
 from mgs.gait import BalanceGait, KeyframesGait, KickGait, PickUpGait
@@ -102,9 +103,9 @@ def _times(value: float | None, unit: float) -> float | None:
 
 
 def _with(gait: Any, blocks: dict[str, Any]) -> Any:
-    """The gait with other blocks, validated again."""
+    """The gait with other blocks; raises ConfigError if a value in metres is out of range."""
     values = gait.model_dump(exclude_unset=True)
-    return type(gait).model_validate(values | blocks)
+    return build(type(gait), values | blocks, f"{gait.motion} gait, sized by the robot")
 
 
 class _Hands:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from mgs.core.config import build
 from mgs.core.constants import GRAVITY
 from mgs.gait import (
     BalanceGait,
@@ -38,6 +39,7 @@ QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT = 1.2, 0.5  # of robots that only swa
 QUICK_PASSES = 8  # passes of the dynamic filter for such robots
 REST = 3.0  # [s] before and after the steps; with less, hips exceed their RMS torque on some robots
 RELATIVE = frozenset({"step_length", "lateral", "step_height"})  # `sizes: relative` scales them
+SIZED = "walk gait, sized by the robot"  # for messages
 DIGITS = 4  # decimal places of derived values
 
 
@@ -68,8 +70,7 @@ def _scaled_walk(gait: WalkGait, robot: Robot) -> WalkGait:
             stated[name] = round(stated[name] * leg_length(robot), DIGITS)
     walk = {**_walk_sizes(gait, robot), **stated, "sizes": "given"}
     com = {**_com_sizes(robot), **_stated(gait.com)}
-    blocks = {"walk": WalkParameters(**walk), "com": ComParameters(**com)}
-    return WalkGait.model_validate(gait.model_copy(update=blocks).model_dump())
+    return build(WalkGait, gait.model_dump() | {"walk": walk, "com": com}, SIZED)
 
 
 def _walk_sizes(gait: WalkGait, robot: Robot) -> dict[str, Any]:

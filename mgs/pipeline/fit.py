@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from mgs.core.config import build
 from mgs.core.errors import ConfigError, InfeasibleGaitError
 from mgs.core.progress import Progress
 from mgs.gait import WalkGait
@@ -96,7 +97,7 @@ def fit_walk(
             except ConfigError:
                 if not option:
                     raise
-                continue  # such as soles that would overlap
+                continue  # such as soles that would overlap, or too many samples
             if best is None or found.excess < best.excess - LEAST_GAIN:
                 best = found
             if best.use <= MOST_USE:
@@ -118,7 +119,7 @@ def _candidate(
     """A walk with other sizes, and what it uses."""
     walk = derived.walk.model_dump(exclude_unset=True) | changes
     tree = derived.model_dump(exclude_unset=True) | {"walk": walk}
-    stages = run_stages(robot, WalkGait.model_validate(tree), name, progress)
+    stages = run_stages(robot, build(WalkGait, tree, name), name, progress)
     touching = first_contact(robot, stages.motion.q, COLLISION_STEP)
     if touching is not None:
         return _Candidate(changes, stages, math.inf, f"the distance of {touching[1]}", math.inf)

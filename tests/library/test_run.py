@@ -325,7 +325,9 @@ def test_gaits_of_a_lost_worker_are_made_again(
 
 def start(sweep: Path, folder: Path, *options: str) -> subprocess.Popen[bytes]:
     """A run as a process."""
-    script = "from mgs.cli import main; main(prog_name='mgs')"
+    # a shell that starts the tests in the background makes programs ignore Ctrl-C
+    heeds = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    script = f"{heeds}; from mgs.cli import main; main(prog_name='mgs')"
     command = [sys.executable, "-c", script, "batch", "run", str(sweep), "-o", str(folder)]
     pipe = subprocess.PIPE
     return subprocess.Popen([*command, "--resume", *options], stdout=pipe, stderr=pipe)

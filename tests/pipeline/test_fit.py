@@ -72,6 +72,14 @@ def test_what_no_walk_gives_is_told(tmp_path: Path):
     assert "lasting torque of " in str(fit) or "torque of " in str(fit)
 
 
+def test_walks_of_too_many_samples_are_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Longer rests, which weak legs would need, do not fit."""
+    robot = biped(tmp_path, 30.0)
+    monkeypatch.setattr("mgs.gait.gait_file.MAX_SAMPLES", 1300)
+    _, fit = fit_walk(robot, walk())
+    assert not set(fit.changes) & {"lead_in", "lead_out"}
+
+
 def test_a_walk_that_is_infeasible_with_all_sizes_has_the_message_of_the_first():
     with pytest.raises(InfeasibleGaitError) as caught:
         fit_walk(load_robot("melson"), walk("walk.step_length=0.25"))

@@ -161,7 +161,10 @@ class Bus:
         """Words for the error that a state reports."""
         value = state.error
         if table.error is not None:
-            value = self.read(servo, table.error)
+            for _ in range(TRIES):  # a late answer to an older question may be taken for this one
+                value = self.read(servo, table.error)
+                if value:
+                    break
         return error_words(table.protocol, value) or "an error that it does not name"
 
     def _block(self, servo: int, address: int, length: int) -> tuple[list[int], int] | None:
