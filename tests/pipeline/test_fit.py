@@ -65,6 +65,7 @@ def test_what_the_file_states_is_kept(tmp_path: Path):
     assert fit.tried > 1
 
 
+@pytest.mark.slow
 def test_what_no_walk_gives_is_told(tmp_path: Path):
     _, fit = fit_walk(biped(tmp_path, 8.0), walk())
     assert not fit.has_reserve

@@ -45,7 +45,13 @@ def test_a_page_is_read_as_files_and_commands_with_exit_codes(tmp_path: Path):
     assert (echo.printed, echo.exit_code, info.command) == (["b"], 0, "mgs info a.mcap")
 
 
-@pytest.mark.parametrize("path", sorted((DOCS / "how-to").glob("*.md")), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, id=path.stem, marks=[] if path.stem == "walk" else [pytest.mark.slow])
+        for path in sorted((DOCS / "how-to").glob("*.md"))
+    ],
+)
 def test_a_how_to_works_as_printed(path: Path, tmp_path: Path):
     folder = tmp_path / "empty"
     folder.mkdir()
