@@ -426,7 +426,7 @@ def test_an_existing_file_is_kept_unless_forced(motion: Motion, tmp_path: Path) 
 
 
 def test_a_folder_is_never_replaced(motion: Motion, tmp_path: Path) -> None:
-    with pytest.raises(OutputExistsError):
+    with pytest.raises(MgsError, match="a folder, which is never replaced"):
         write_motion(motion, tmp_path, force=True)
 
 

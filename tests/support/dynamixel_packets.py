@@ -86,7 +86,7 @@ class Parser:
             return None
         count = self._data[3:4] if self.protocol == 1 else self._data[5:7]
         length = int.from_bytes(count, "little")
-        if length > 1000:
+        if not (2 if self.protocol == 1 else 3) <= length <= 1000:  # a damaged length
             self._data = self._data[1:]
             return False
         if len(self._data) < fixed + length:
