@@ -266,7 +266,7 @@ def test_boxes_that_engines_need_too_long_for_are_refused(tmp_path: Path) -> Non
     gait.write_text(
         f"mgs: 1\nrobot: melson\nmotion: walk\nwalk: {{n_steps: 2, boxes: [{crowd}]}}\n"
     )
-    assert "walk.boxes: more than 10 boxes touch one square" in refusal("generate", gait)
+    assert f"walk.boxes: more than {MAX_CROWD} boxes touch one square" in refusal("generate", gait)
     boxes = [{"x": 0.0, "y": 0.0, "yaw": 0.0, "length": 0.5, "width": 0.5, "height": 5e-4}] * 100
 
     def change(record: object) -> None:
@@ -277,4 +277,4 @@ def test_boxes_that_engines_need_too_long_for_are_refused(tmp_path: Path) -> Non
         rewritten(motion_bytes(generate("melson", "melson/bow", dt=0.1)), change=change)
     )
     for command in (("validate", path), ("report", path), ("replay", path)):
-        assert "more than 10 boxes touch one square" in refusal(*command)
+        assert f"more than {MAX_CROWD} boxes touch one square" in refusal(*command)
