@@ -12,6 +12,9 @@ from mgs.cli.common import force_option, json_option, print_json, say, with_prog
 from mgs.cli.completion import complete_gait, complete_key, complete_robot, complete_solver
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from mgs.judge.motion_checks import Check
     from mgs.motion import Motion
     from mgs.motion.provenance import FilterReport
 
@@ -62,8 +65,8 @@ def generate(
 
     Prints tracking errors of soles, hands and centre of mass (CoM), distances from joint limits and
     from the edge of the support polygon, the distance of the zero-moment point (ZMP) of the whole
-    robot from its plan, the computing time, and each static check of mgs validate that the motion
-    fails. Exit code 1 if the robot cannot perform the gait.
+    robot from its plan, the largest moment about the vertical that the support sole has to bear,
+    the computing time, and each static check of mgs validate that the motion fails. Exit code 1 if the robot cannot perform the gait.
 
     \b
     Examples:
@@ -90,13 +93,16 @@ def generate(
     with_progress("writing", lambda bar: write_motion(motion, path, force=force, progress=bar))
     seconds["write"] = time.perf_counter() - begun
     seconds["total"] = time.perf_counter() - started
-    failed = [check for check in check_motion(motion) if not check.ok]
+    checks = check_motion(motion)
+    failed = [check for check in checks if not check.ok]
     if as_json:
         failures = [check.to_dict() for check in failed]
         fit = None if made.fit is None else asdict(made.fit) | {"reserve": made.fit.has_reserve}
-        print_json(_summary(path, motion, seconds) | {"fit": fit, "failed_checks": failures})
+        print_json(
+            _summary(path, motion, seconds, checks) | {"fit": fit, "failed_checks": failures}
+        )
     else:
-        _print_summary(path, motion, seconds)
+        _print_summary(path, motion, seconds, checks)
         if made.fit is not None:
             say(f"  fit       {made.fit}")
         for check in failed:
@@ -104,13 +110,16 @@ def generate(
     ctx.exit(1 if failed and strict else 0)
 
 
-def _summary(path: Path, motion: Motion, seconds: dict[str, float]) -> dict[str, object]:
+def _summary(
+    path: Path, motion: Motion, seconds: dict[str, float], checks: Sequence[Check]
+) -> dict[str, object]:
     from dataclasses import asdict
 
     from mgs.judge.tracking import tracking_errors
     from mgs.motion.energy import energy_of
 
     energy = energy_of(motion)
+    yaw = next((check for check in checks if check.name == "yaw_friction"), None)
     return {
         "file": str(path),
         "robot": motion.robot.spec.name,
@@ -122,18 +131,23 @@ def _summary(path: Path, motion: Motion, seconds: dict[str, float]) -> dict[str,
         "tracking": asdict(tracking_errors(motion)),
         "zmp_error": motion.provenance.to_dict().get("zmp_error"),
         "energy": None if energy is None else energy.to_dict(),
+        "yaw_friction": None if yaw is None else yaw.to_dict(),
         "seconds": seconds,
     }
 
 
-def _print_summary(path: Path, motion: Motion, seconds: dict[str, float]) -> None:
-    from mgs.cli.verdict_text import energy_words
+def _print_summary(
+    path: Path, motion: Motion, seconds: dict[str, float], checks: Sequence[Check]
+) -> None:
+    from mgs.cli.verdict_text import energy_words, yaw_words
     from mgs.judge.motion_checks import joint_position, zmp_margins
     from mgs.judge.tracking import tracking_errors
     from mgs.motion.energy import energy_of
 
     energy = energy_of(motion)
     energy_line = "" if energy is None else f"  energy    {energy_words(energy)}\n"
+    yaw = yaw_words(checks)
+    yaw_line = "" if yaw is None else f"  yaw       {yaw}\n"
     tracking, limit = tracking_errors(motion), joint_position(motion)
     solver = motion.provenance.solver.name
     margin = "no balance check for this motion"
@@ -152,6 +166,7 @@ def _print_summary(path: Path, motion: Motion, seconds: dict[str, float]) -> Non
         f"{margin}\n"
         f"{_zmp_line(motion.provenance.zmp_error)}"
         f"{energy_line}"
+        f"{yaw_line}"
         f"  time      {stages} ms"
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from mgs.cli.verdict_text import line
+from mgs.cli.verdict_text import line, yaw_words
 from mgs.judge.motion_checks import Check
 
 BLOCKS = {"ik": "faraji", "prioritized": "prioritized", "trajectory": "trajectory"}
@@ -64,6 +64,8 @@ def _verdict(checks: Sequence[Check] | None) -> Iterator[str]:
     yield f"verdict: {'FAILS' if failed else 'passes'} the static checks; physics: mgs validate"
     for check in failed:
         yield f"  {line(check)}"
+    if (yaw := yaw_words(checks)) is not None:
+        yield f"yaw: {yaw}"
 
 
 def _making(made: Mapping[str, Any]) -> Iterator[str]:

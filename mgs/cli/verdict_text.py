@@ -49,6 +49,21 @@ def energy_words(energy: Energy) -> str:
     return text if cost is None else f"{text}, cost of transport {cost:.3f}"
 
 
+def yaw_words(checks: Sequence[Check]) -> str | None:
+    """Moment about the vertical against the one that friction gives; None: there is no such check.
+
+    Args:
+        checks: the static checks of a motion.
+    """
+    for check in checks:
+        if check.name == "yaw_friction":
+            return (
+                f"moment about the vertical {check.value:.3g} N m of {check.limit:.3g} N m that "
+                f"the sole can bear at {check.time:.2f} s, {check.where}"
+            )
+    return None
+
+
 def agreement(found: Agreement) -> str:
     """Differences between two engines."""
     apart = (

@@ -17,6 +17,7 @@ from mgs.core.arrays import Array
 from mgs.core.constants import (
     FLOATING_BASE_NQ,
     FLOATING_BASE_NV,
+    FRICTION,
     GRAVITY,
     POSITION_TOLERANCE,
     ROTATION_TOLERANCE,
@@ -32,9 +33,10 @@ from mgs.core.progress import Progress
 from mgs.core.scene import ground_below
 from mgs.core.spans import spans
 from mgs.judge.wrench_feasibility import missing_wrenches
+from mgs.judge.yaw_friction import yaw_moments
 from mgs.motion import Motion
 from mgs.motion.collisions import first_contact
-from mgs.motion.dynamics import WholeBodyMotion, analyse, contact_wrenches
+from mgs.motion.dynamics import WholeBodyMotion, analyse
 from mgs.motion.joint_load import available_torque, lasting_torque, step_speeds
 from mgs.robot.support_polygon import support_polygon
 
@@ -94,6 +96,7 @@ def check_motion(
         _joint_torque_rms(motion, torque),
         _zmp_margin(motion, body),
         *contact_forces(motion, body),
+        *yaw_friction(motion, body),
         _self_collision(motion, progress, collision_step),
         _sole_still(motion, corners),
         _sole_ground(motion, corners),
@@ -208,8 +211,7 @@ def contact_forces(motion: Motion, body: WholeBodyMotion) -> list[Check]:
     if not len(samples):
         return []
     corners = _corners_in_world(motion, body.soles)[samples].reshape(len(samples), 8, 3)
-    wrenches = contact_wrenches(motion.robot, body, samples)
-    missing = missing_wrenches(corners, wrenches) / (GRAVITY * motion.robot.mass)
+    missing = missing_wrenches(corners, body.wrench[samples]) / (GRAVITY * motion.robot.mass)
     i = int(np.argmax(missing))
     worst = float(missing[i])
     time = float(samples[i] * motion.dt)
@@ -217,6 +219,25 @@ def contact_forces(motion: Motion, body: WholeBodyMotion) -> list[Check]:
     return [
         Check("contact_forces", worst <= FORCE_TOLERANCE, worst, FORCE_TOLERANCE, "", time, where)
     ]
+
+
+def yaw_friction(motion: Motion, body: WholeBodyMotion) -> list[Check]:
+    """Moment about the vertical against what friction under the only sole in support can give.
+
+    The worst sample is the one of the largest ratio. Nothing for motions without single support:
+    two soles hold each other from turning.
+    """
+    needed, available = yaw_moments(motion, body)
+    samples = np.flatnonzero(np.isfinite(needed))
+    if not len(samples):
+        return []
+    value, limit = np.abs(needed[samples]), available[samples]
+    i = int(np.argmax(value / np.maximum(limit, np.finfo(float).tiny)))
+    k = samples[i]
+    where = f"{Support(motion.support[k]).label} support, friction {FRICTION:g}"
+    worst, allowed = float(value[i]), float(limit[i])
+    time = float(k * motion.dt)
+    return [Check("yaw_friction", worst <= allowed, worst, allowed, "N m", time, where)]
 
 
 def _self_collision(motion: Motion, progress: Progress | None, step: int) -> Check:

@@ -28,6 +28,7 @@ class WholeBodyMotion:
     v: Array  # (N, 6 + n) central differences, 0 at both ends
     a: Array  # (N, 6 + n)
     com: Array  # (N, 3)
+    wrench: Array  # (N, 6) force and moment about the world origin that the ground has to exert
     zmp: Array  # (N, 2) multibody ZMP, at the height of the soles as they share the load
     torque: Array  # (N, n) of the servos, their rotors' inertia included, 0 at followers [N m]
     soles: Array  # (N, 2, 7)
@@ -131,7 +132,8 @@ def analyse(
     if robot.coupling is not None:
         torque = robot.coupling.at_motors(torque)
     torque += robot.armature * a[:, FLOATING_BASE_NV:]  # the rotors, which are no link's inertia
-    return WholeBodyMotion(q, v, a, com, zmp, torque, frames[:, :2], frames[:, 2:4], frames[:, 4])
+    soles, hands, torso = frames[:, :2], frames[:, 2:4], frames[:, 4]
+    return WholeBodyMotion(q, v, a, com, wrench, zmp, torque, soles, hands, torso)
 
 
 def _kinematics(robot: Robot, q: Array) -> tuple[Array, Array]:
@@ -183,13 +185,6 @@ def zmp_at(wrench: Array, height: Array) -> Array:
     x = height * wrench[:, 0] - wrench[:, 4]
     y = height * wrench[:, 1] + wrench[:, 3]
     return np.column_stack([x, y]) / wrench[:, 2:3]
-
-
-def contact_wrenches(robot: Robot, body: WholeBodyMotion, samples: NDArray[np.intp]) -> Array:
-    """Wrenches (m, 6) about the world origin that the ground has to exert at m samples."""
-    q, v, a = body.q[samples], body.v[samples], body.a[samples]
-    forces = _inverse_dynamics(robot, q, v, a)
-    return _base_wrench_in_world(q, forces[:, :FLOATING_BASE_NV])
 
 
 def share_wrench(wrench: Array, zmp: Array, soles: Array, load_left: Array) -> Array:

@@ -17,6 +17,7 @@ from click.testing import CliRunner
 
 from mgs.cli import main
 from mgs.com_generator import ComTrajectory, generate_com
+from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.core.contact import Side, Support
 from mgs.core.errors import IkError
 from mgs.core.geometry import bump, quat_multiply, quintic
@@ -24,6 +25,7 @@ from mgs.gait import WalkGait, load_gait
 from mgs.ik_solver import solve_ik
 from mgs.judge.motion_checks import check_motion
 from mgs.motion import Motion
+from mgs.motion.dynamics import analyse
 from mgs.motion_file import write_motion
 from mgs.motion_planner import WalkPlan, plan_motion
 from mgs.pipeline import assemble
@@ -164,11 +166,30 @@ def weak_servo(good: Motion) -> Motion:
     return with_robot(good, yaml=("stall_torque: 2.8", "stall_torque: 0.7"))
 
 
+def twisting(good: Motion) -> Motion:
+    """The trunk twists to and fro on one sole, as everything is asked to do."""
+    k = np.flatnonzero(good.support == Support.RIGHT)
+    q = good.q.copy()
+    twist = bump(np.linspace(0.0, 1.0, len(k))) * np.sin(
+        2 * np.pi * good.dt * 8.0 * np.arange(len(k))
+    )
+    q[k, FLOATING_BASE_NQ + good.robot.joint_names.index("waist_yaw")] += 0.05 * twist
+    body = analyse(good.robot, q, good.dt, np.full(good.n_samples, 0.5))
+    return dataclasses.replace(
+        good,
+        q=q,
+        com_ref=body.com,
+        hands_ref=body.hands[..., :3],
+        torso_ref=body.torso[:, 3:],
+    )
+
+
 STATIC = {
     "com_off": ({"zmp_margin"}, lambda good: com_off()),
     "com_not_met": ({"com_position"}, com_not_met),
     "step_too_long": ({"sole_position"}, step_too_long),
     "spacing_wrong": ({"sole_position"}, spacing_wrong),
+    "twisting": ({"yaw_friction"}, twisting),
     "limit_left": ({"joint_position"}, limit_left),
     "too_fast": ({"joint_speed"}, too_fast),
     "self_collision": ({"self_collision"}, lambda good: self_collision()),
