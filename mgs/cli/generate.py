@@ -66,7 +66,8 @@ def generate(
     Prints tracking errors of soles, hands and centre of mass (CoM), distances from joint limits and
     from the edge of the support polygon, the distance of the zero-moment point (ZMP) of the whole
     robot from its plan, the largest moment about the vertical that the support sole has to bear,
-    the computing time, and each static check of mgs validate that the motion fails. Exit code 1 if the robot cannot perform the gait.
+    the computing time, and each static check of mgs validate that the motion fails. Exit code 1 if
+    the robot cannot perform the gait.
 
     \b
     Examples:
