@@ -1,11 +1,13 @@
 """Which shipped motions stay up and arrive on servos that nobody modelled: docs/servo_sweep.md.
 
-    python benchmarks/servo_sweep.py [--gaits NAME ...] [--workers N] [--record FILE] [-o FILE]
+    python benchmarks/servo_sweep.py [--gaits NAME ...] [--required] [--workers N] [--record FILE]
 
 Every walk, kick, stair and sequence of Melson and COMAN is replayed in both engines: with plain PD
 servos told the planned angles, at several sags and frictions, and with the servos of robot.yaml
 told feed-forward commands for a stiffness that is wrong. Outcomes are kept in a record file by
 gait, motion and case: what was replayed once is not replayed again, unless the motion has changed.
+What is required of a robust motion is replayed first. The page is written anew after each motion,
+with a dot for what has not been replayed, so that it can be interrupted at any time.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import argparse
 import hashlib
 import itertools
 import json
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -31,8 +34,13 @@ ROBOTS, KINDS = ("melson", "coman"), ("walk", "kick", "sequence")
 SAGS_DEG = (0.5, 1.0, 2.0, 4.0, 8.0)
 REQUIRED_SAGS_DEG = SAGS_DEG[:3]
 FRICTIONS = (0.7, 1.0, 1.3)
-CASES = tuple(Case(None, mu, sag) for sag, mu in itertools.product(SAGS_DEG, FRICTIONS))
 WRONG_STIFFNESS = (0.7, 1.4)  # that feed-forward is computed for, relative to robot.yaml's servos
+Replayed = Case | float  # PD servos, or the robot's own with a wrong stiffness
+PD_CASES = tuple(Case(None, mu, sag) for sag, mu in itertools.product(SAGS_DEG, FRICTIONS))
+REQUIRED: tuple[Replayed, ...] = (
+    *(case for case in PD_CASES if case.sag_deg in REQUIRED_SAGS_DEG), *WRONG_STIFFNESS
+)  # fmt: skip
+OTHERS: tuple[Replayed, ...] = tuple(case for case in PD_CASES if case not in REQUIRED)
 Record = dict[str, list[str]]  # failed checks by case
 
 HEAD = """# Motions on plain PD servos
@@ -45,11 +53,13 @@ three coefficients of friction, 0.7, 1.0 and 1.3:
 
 - `+` the motion stays up and meets the tolerances of the verdict,
 - `o` it stays up and misses a tolerance (position, yaw, time at the torque limit, or the ball),
-- `-` it falls.
+- `-` it falls,
+- `.` it has not been replayed.
 
 The last columns are replays with the servos of robot.yaml, at friction 1.0, told feed-forward
-commands for a stiffness 0.7 and 1.4 times theirs. A motion counts as robust when it passes at sags
-of 0.5, 1 and 2 deg with all three frictions in both engines.
+commands for a stiffness 0.7 and 1.4 times theirs. A motion counts as robust when it passes in both
+engines at sags of 0.5, 1 and 2 deg with all three frictions, and with both of these commands; it
+counts as open while none of these replays fails and some have not been made.
 """
 
 
@@ -59,20 +69,24 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--gaits", nargs="*", help="names; default: all that this page is about")
+    parser.add_argument("--required", action="store_true", help="leave out sags of 4 and 8 deg")
     parser.add_argument("--workers", type=int, default=1, help="number of processes")
     parser.add_argument("--record", type=Path, default=Path("outputs/servo_sweep.json"))
     parser.add_argument("-o", "--output", type=Path, default=Path("docs/servo_sweep.md"))
     arguments = parser.parse_args()
-    names = arguments.gaits or [name for name in list_gaits() if is_swept(name)]
+    every = [name for name in list_gaits() if is_swept(name)]
     path: Path = arguments.record
     record: Record = json.loads(path.read_text()) if path.is_file() else {}
-    motions = {name: made(name) for name in names}
+    motions = {name: made(name) for name in every}
     rows = [(name, prefix_of(name, motion)) for name, motion in motions.items()]
-    for engine in reversed(available_engines()):  # MuJoCo first, which is ten times as fast
-        for name, prefix in rows:
-            complete(record, prefix, motions[name], engine, arguments.workers)
-            replace_file(path, json.dumps(record, indent=1).encode())
-            print(name, engine, *cells(prefix, engine, record), sep=" | ", flush=True)
+    chosen = [(name, prefix) for name, prefix in rows if name in (arguments.gaits or every)]
+    for cases in (REQUIRED,) if arguments.required else (REQUIRED, OTHERS):
+        for engine in reversed(available_engines()):  # MuJoCo first, which is much faster
+            for name, prefix in chosen:
+                complete(record, prefix, motions[name], engine, cases, arguments.workers)
+                replace_file(path, json.dumps(record, indent=1).encode())
+                replace_file(arguments.output, page(rows, record).encode())
+                print(name, engine, *cells(prefix, engine, record), sep=" | ", flush=True)
     replace_file(arguments.output, page(rows, record).encode())
 
 
@@ -93,27 +107,37 @@ def is_swept(name: str) -> bool:
     return gait.robot in ROBOTS and gait.motion in KINDS
 
 
-def complete(record: Record, prefix: str, motion: Motion, engine: EngineName, workers: int) -> None:
+def complete(
+    record: Record,
+    prefix: str,
+    motion: Motion,
+    engine: EngineName,
+    cases: Sequence[Replayed],
+    workers: int,
+) -> None:
     """Add to the record what is missing of one motion in one engine."""
-    missing = tuple(case for case in CASES if key(prefix, engine, case) not in record)
-    for outcome in sweep_servos(motion, engine, cases=missing, workers=workers).outcomes:
+    missing = [case for case in cases if key(prefix, engine, case) not in record]
+    pd = tuple(case for case in missing if isinstance(case, Case))
+    for outcome in sweep_servos(motion, engine, cases=pd, workers=workers).outcomes:
         record[key(prefix, engine, outcome.case)] = list(outcome.failed)
-    for factor in WRONG_STIFFNESS:
-        if key(prefix, engine, factor) not in record:
+    for factor in missing:
+        if not isinstance(factor, Case):
             result = replay(motion, engine, servo="model", assumed_stiffness=factor)
             failed = [c.name.removeprefix(f"{engine}_") for c in replay_checks(result) if not c.ok]
             record[key(prefix, engine, factor)] = failed
 
 
-def key(prefix: str, engine: EngineName, case: Case | float) -> str:
+def key(prefix: str, engine: EngineName, case: Replayed) -> str:
     """Name of one replay in the record."""
     if isinstance(case, Case):
         return f"{prefix} {engine} pd {case.sag_deg:g} {case.friction:g}"
     return f"{prefix} {engine} model {case:g}"
 
 
-def mark(failed: list[str]) -> str:
-    """One character for the outcome of one replay."""
+def mark(failed: list[str] | None) -> str:
+    """One character for the outcome of one replay; None: it has not been made."""
+    if failed is None:
+        return "."
     if not failed:
         return "+"
     return "-" if {"upright", "diverged"} & set(failed) else "o"
@@ -121,26 +145,25 @@ def mark(failed: list[str]) -> str:
 
 def cells(prefix: str, engine: EngineName, record: Record) -> list[str]:
     """Outcomes of one motion in one engine, by sag and by wrong stiffness."""
-    marks = {case: mark(record[key(prefix, engine, case)]) for case in CASES}
-    return [
-        *(" ".join(marks[Case(None, mu, sag)] for mu in FRICTIONS) for sag in SAGS_DEG),
-        *(mark(record[key(prefix, engine, factor)]) for factor in WRONG_STIFFNESS),
-    ]
+
+    def marked(case: Replayed) -> str:
+        return mark(record.get(key(prefix, engine, case)))
+
+    by_sag = [[marked(Case(None, mu, sag)) for mu in FRICTIONS] for sag in SAGS_DEG]
+    return [*map(" ".join, by_sag), *map(marked, WRONG_STIFFNESS)]
 
 
-def is_robust(prefix: str, record: Record) -> bool:
-    """Whether a motion passes all that is required of PD servos."""
-    return not any(
-        record[key(prefix, engine, case)]
-        for engine in available_engines()
-        for case in CASES
-        if case.sag_deg in REQUIRED_SAGS_DEG
-    )
+def robustness(prefix: str, record: Record) -> str:
+    """Whether a motion passes all that is required: yes, no, or open."""
+    keys = [key(prefix, engine, case) for engine in available_engines() for case in REQUIRED]
+    if any(record.get(one) for one in keys):
+        return "no"
+    return "yes" if all(one in record for one in keys) else "open"
 
 
 def line(name: str, prefix: str, record: Record) -> str:
     """Lines of the table about one motion, one for each engine."""
-    robust = "yes" if is_robust(prefix, record) else "no"
+    robust = robustness(prefix, record)
     lines = []
     for engine in available_engines():
         marks = " | ".join(f"`{cell}`" for cell in cells(prefix, engine, record))
@@ -155,29 +178,26 @@ def page(rows: Sequence[tuple[str, str]], record: Record) -> str:
         "motion", "engine", *(f"sag {sag:g} deg" for sag in SAGS_DEG),
         *(f"own servos, {factor:g}" for factor in WRONG_STIFFNESS), "robust",
     ]  # fmt: skip
-    robust = [name for name, prefix in rows if is_robust(prefix, record)]
+    told = [robustness(prefix, record) for _, prefix in rows]
     table = [
         f"| {' | '.join(columns)} |",
         f"|{' --- |' * len(columns)}",
         *(line(name, prefix, record) for name, prefix in rows),
     ]
-    count = f"Robust: {len(robust)} of {len(rows)}.\n"
+    count = f"Robust: {told.count('yes')} of {len(rows)}; open: {told.count('open')}.\n"
     return "\n".join([HEAD, count, *table, "", *failures(rows, record), ""])
 
 
 def failures(rows: Sequence[tuple[str, str]], record: Record) -> list[str]:
-    """What fails within the required sags, by motion and engine."""
-    lines = ["## Checks that fail at sags of 0.5 to 2 deg", "", "| motion | engine | checks |"]
+    """What fails of all that is required, by motion and engine."""
+    lines = ["## Required checks that fail", "", "| motion | engine | checks |"]
     lines.append("| --- | --- | --- |")
     for name, prefix in rows:
         for engine in available_engines():
-            counts: dict[str, int] = {}
-            required = [case for case in CASES if case.sag_deg in REQUIRED_SAGS_DEG]
-            for case in required:
-                for check in record[key(prefix, engine, case)]:
-                    counts[check] = counts.get(check, 0) + 1
-            if counts:
-                told = ", ".join(f"{check} ({n} of {len(required)})" for check, n in counts.items())
+            keys = [key(prefix, engine, case) for case in REQUIRED]
+            failed = Counter(check for one in keys for check in record.get(one, ()))
+            if failed:
+                told = ", ".join(f"{check} ({n} of {len(keys)})" for check, n in failed.items())
                 lines.append(f"| {name} | {engine} | {told} |")
     return lines
 

@@ -18,7 +18,9 @@ from mgs.judge.processes import in_order
 from mgs.judge.servo_cases import CASES, Case, Outcome, ServoSweep
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
-from mgs.sim import DEFAULTS, EngineName, Settings, replay
+from mgs.sim import DEFAULTS, EngineName, Settings
+from mgs.sim.prepare import prepare
+from mgs.sim.replay import replay_prepared
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,14 +68,16 @@ def _replay(task: _Task, number: int) -> Outcome:
         task.settings, friction=case.friction, sag=math.radians(case.sag_deg)
     )
     try:
-        result = replay(
+        prepared = prepare(
             task.motion,
             task.engine,
             settings,
-            servo="pd",
-            feed_forward=case.assumed_stiffness is not None,
-            assumed_stiffness=case.assumed_stiffness or 1.0,
+            "pd",
+            case.assumed_stiffness is not None,
+            case.assumed_stiffness or 1.0,
         )
+        # forces on the soles matter to motions without balance alone
+        result = replay_prepared(prepared, with_contacts=not task.motion.gait.is_balanced)
     except DivergenceError:
         return Outcome(case, True, ("diverged",))
     checks = replay_checks(result, "pd")
