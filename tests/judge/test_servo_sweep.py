@@ -16,6 +16,7 @@ from mgs.judge.verdict import replay_checks
 from mgs.report import plot_servo_sweep
 from mgs.robot import Robot
 from mgs.sim import DEFAULTS, replay
+from mgs.sim.replay import replay_prepared
 from tests.support.motions import standing
 from tests.support.replays import side_to_side
 
@@ -60,8 +61,8 @@ def test_each_outcome_is_that_of_its_replay(melson: Robot):
 def test_the_damping_time_is_that_of_the_settings(melson: Robot, monkeypatch):
     used = []
     monkeypatch.setattr(
-        "mgs.judge.servo_sweep.replay",
-        lambda motion, engine, settings, **_: used.append(settings) or replay(motion, engine),
+        "mgs.judge.servo_sweep.replay_prepared",
+        lambda prepared, **_: used.append(prepared.settings) or replay_prepared(prepared),
     )
     settings = dataclasses.replace(DEFAULTS["mujoco"], damping_time=0.03)
     sweep_servos(standing(melson, 0.1), "mujoco", settings, cases=(Case(None, 1.3, 2.0),))
