@@ -12,6 +12,7 @@ import numpy as np
 from clean_motions import resample, shipped
 from seeded_defects import span
 
+import mgs
 from mgs.judge.audit import GivenMotion
 
 MOTIONS = (
@@ -20,13 +21,23 @@ MOTIONS = (
     "melson/sway", "melson/kick", "coman/walk_forward", "coman/walk_arc", "coman/walk_sideways",
     "coman/walk_fastest", "coman/walk", "coman/sway", "coman/bow", "coman/kick", "coman/wave",
 )  # fmt: skip
+# Others than those that the repair was tuned on
+OTHERS = (
+    "melson/walk_fastest", "melson/walk_to_pose", "melson/figure_eight", "melson/walk_kick_walk",
+    "melson/walk_turn_walk", "melson/walk_swinging", "melson/hand_eight", "melson/wave",
+    "melson/squat_stretched", "melson/get_ready", "coman/hand_eight",
+)  # fmt: skip
+GENERIC = tuple(
+    f"generic/{name}"
+    for name in ("walk", "arc", "sideways", "turn", "squat", "sway", "kick", "bow", "wave")
+)
 DEPTH, SLIDE, TREMBLE = 0.03, 0.05, 0.01  # [m], [m/s], [rad]
 LONGEST = 8.0  # [s]
 
 
-def undamaged(name: str, rate: float) -> GivenMotion:
-    """The first seconds of a shipped gait, positions alone."""
-    motion = shipped(name)
+def undamaged(name: str, rate: float, robot: str | None = None) -> GivenMotion:
+    """The first seconds of a shipped gait, positions alone; `robot` executes generic gaits."""
+    motion = shipped(name) if robot is None else mgs.generate(robot, name)
     given = resample(motion, rate, 0.0, min(motion.duration, LONGEST))
     return dataclasses.replace(given, joint_velocity=None, base_linear=None, base_angular=None)
 

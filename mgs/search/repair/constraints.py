@@ -1,11 +1,12 @@
 """What a repaired motion has to hold, as residuals with their Jacobians, sample by sample.
 
     pose    the sole that stands is at its place, level, on the floor           r = 0
-    floor   no corner of a sole is below the floor                              r <= 0
+    floor   no corner of a sole is below the floor; one that swings is above it r <= 0
     range   joints are inside their ranges                                      r <= 0
     speed   joints are not faster than their servos, from sample to sample      r <= 0
-    zmp     the ZMP of the whole robot is inside the soles that stand           r <= 0
+    zmp     the ZMP of the whole robot is inside the soles that bear            r <= 0
 
+A sole bears as long as it stands, but for the first and last moments: the ZMP does not jump.
 Lengths are in m, angles in rad; rotations of soles count by half their length, so that they are
 lengths too.
 """
@@ -16,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NV, GRAVITY
@@ -29,15 +31,17 @@ from mgs.core.geometry import (
 from mgs.core.short_repr import short_repr
 from mgs.ik_solver.rotations import rotation_vectors
 from mgs.judge.audit import GivenMotion
-from mgs.judge.audit.body import Body
+from mgs.judge.audit.body import SMOOTHING_TIME, Body
 from mgs.motion.dynamics import zmp_at
 from mgs.robot import Robot
-from mgs.search.repair.stances import Stances
+from mgs.search.repair.stances import Bools, Stances
 
 N_FACES = 8  # of the hull of two rectangles
 RANGE_MARGIN = 2e-3  # [rad]
 SPEED_SHARE = 0.99  # of the limit
 ZMP_MARGIN = 0.005  # [m]
+CLEARANCE = 8e-3  # [m] of a sole that swings, since one that skims the floor may touch it
+RISE_TIME = 0.06  # [s] in which a sole reaches this clearance
 WIDEST_SHARE = 0.4  # of half the width of a sole, that the margin takes at most
 
 
@@ -60,7 +64,9 @@ class Jacobians:
 
     soles: Array  # (T, 2, 6, p) place and scaled rotation, world axes
     corners: Array  # (T, 2, 4, p) heights
-    com: Array  # (T, 2, p) horizontal
+    com: Array  # (T, 3, p)
+    com_at: Array  # (T, 3) the CoM itself [m]
+    turning: Array  # (T, 2, p) L_y / m and -L_x / m, L angular momentum about the CoM, by speeds
 
     __repr__ = short_repr
 
@@ -75,9 +81,9 @@ class Constraints:
         self.arm = 0.5 * np.array([robot.sole_spec(side).length for side in Side])
         quat = quat_xyzw_from_yaw(stances.places[..., 2])
         self.turn = rotations_from_quat_xyzw(quat)  # (T, 2, 3, 3)
-        self.normals, self.bounds = _polygons(robot, stances)
-        data = robot.model.createData()
-        self.com_height = float(pin.centerOfMass(robot.model, data, robot.standing_q)[2])
+        self.normals, self.bounds = _polygons(robot, stances, bearing_soles(stances.stands, dt))
+        away = np.stack([_steps_from(stances.stands[:, side]) for side in Side], axis=1) * dt
+        self.clearance = CLEARANCE * np.minimum(1.0, away / RISE_TIME)
 
     def residuals(self, given: GivenMotion, body: Body) -> Residuals:
         """Residuals of a motion."""
@@ -89,7 +95,8 @@ class Constraints:
             off = body.turns[:, side] @ self.turn[:, side].transpose(0, 2, 1)
             pose[:, side, 3:] = self.arm[side] * rotation_vectors(off)
         pose[~stands] = 0.0
-        floor = np.where(stands[..., None], -1.0, -body.corners[..., 2])
+        low = self.clearance[..., None] - body.corners[..., 2]
+        floor = np.where(stands[..., None], -1.0, low)
         q = given.joints
         step = np.diff(q, axis=0)
         zmp = zmp_at(body.wrench, np.zeros(len(q)))
@@ -107,16 +114,20 @@ class Constraints:
         """Jacobians at configurations q (T, 7 + n)."""
         robot, model = self.robot, self.robot.model
         data, p = model.createData(), FLOATING_BASE_NV + robot.n
-        soles, com = np.empty((len(q), 2, 6, p)), np.empty((len(q), 2, p))
+        soles, com = np.empty((len(q), 2, 6, p)), np.empty((len(q), 3, p))
+        turning, com_at = np.empty((len(q), 2, p)), np.empty((len(q), 3))
         for k in range(len(q)):
-            com[k] = pin.jacobianCenterOfMass(model, data, q[k], False)[:2]
+            com[k] = pin.jacobianCenterOfMass(model, data, q[k], False)
+            com_at[k] = data.com[0]
+            momentum = pin.computeCentroidalMap(model, data, q[k])
+            turning[k] = np.stack([momentum[4], -momentum[3]]) / robot.mass
             pin.updateFramePlacements(model, data)
             for side in Side:
                 soles[k, side] = pin.getFrameJacobian(
                     model, data, robot.sole_frames[side], pin.LOCAL_WORLD_ALIGNED
                 )
         soles[:, :, 3:] *= self.arm[None, :, None, None]
-        return Jacobians(soles, np.zeros((len(q), 2, 4, p)), com)
+        return Jacobians(soles, np.zeros((len(q), 2, 4, p)), com, com_at, turning)
 
     def corner_jacobians(self, jacobians: Jacobians, body: Body) -> Array:
         """Jacobians (T, 2, 4, p) of the heights of the corners of the soles."""
@@ -127,27 +138,61 @@ class Constraints:
             z + turn[:, :, None, 0] * arm[..., 1, None] - turn[:, :, None, 1] * arm[..., 0, None]
         )
 
-    @property
-    def cart(self) -> Array:
-        """Parts of the CoM at three samples in a row in the ZMP between them: (3,)."""
-        a = self.com_height / (GRAVITY * self.dt**2)
-        return np.array([-a, 1.0 + 2.0 * a, -a])
+    def zmp_jacobians(self, jacobians: Jacobians, body: Body, k: NDArray[np.intp]) -> list[Array]:
+        """Jacobians (m, 2, p) of the ZMP at samples k (m,): of the sample before, k, and the next.
+
+        With the CoM c and the angular momentum L = A(q) v about it (D. E. Orin, A. Goswami and
+        S.-H. Lee, "Centroidal dynamics of a humanoid robot", Autonomous Robots 35, 2013), both with
+        second differences, and near c''_z = 0:
+
+            zmp = c - (c_z c'' + (L'_y, -L'_x) / m) / (g + c''_z)
+        """
+        lever = (zmp_at(body.wrench, np.zeros(len(body.wrench))) - jacobians.com_at[:, :2])[k]
+        height = jacobians.com_at[k, 2, None, None]
+        second = np.array([1.0, -2.0, 1.0]) / (GRAVITY * self.dt**2)
+        found = []
+        for i in (-1, 0, 1):
+            com = jacobians.com[k + i]
+            moved = height * com[:, :2] + lever[:, :, None] * com[:, 2:] + jacobians.turning[k]
+            found.append(float(i == 0) * com[:, :2] - second[i + 1] * moved)
+        return found
 
 
-def _polygons(robot: Robot, stances: Stances) -> tuple[Array, Array]:
-    """Faces (T, 8, 2) and bounds (T, 8) of the soles that stand, n . z <= bound, made narrower."""
-    n_samples = len(stances.stands)
+def bearing_soles(stands: Bools, dt: float) -> Bools:
+    """Which soles (T, 2) stand for as long before and after as the audit averages forces."""
+    half = max(1, round(SMOOTHING_TIME / dt)) // 2
+    bears = stands.copy()
+    for shift in range(1, half + 1):
+        bears[shift:] &= stands[:-shift]
+        bears[:-shift] &= stands[shift:]
+    alone = ~bears.any(axis=1)
+    bears[alone] = stands[alone]
+    return bears
+
+
+def _steps_from(mask: Bools) -> Array:
+    """Number of samples (T,) from each sample to the nearest one at which a mask (T,) is true."""
+    k, where = np.arange(len(mask)), np.flatnonzero(mask)
+    if not len(where):
+        return np.full(len(mask), np.inf)
+    after = np.minimum(np.searchsorted(where, k), len(where) - 1)
+    before = np.maximum(after - 1, 0)
+    return np.minimum(np.abs(where[after] - k), np.abs(where[before] - k)).astype(float)
+
+
+def _polygons(robot: Robot, stances: Stances, bears: Bools) -> tuple[Array, Array]:
+    """Faces (T, 8, 2) and bounds (T, 8) of the soles that bear, n . z <= bound, made narrower."""
+    n_samples = len(bears)
     normals, bounds = np.zeros((n_samples, N_FACES, 2)), np.ones((n_samples, N_FACES))
     key = np.concatenate(
-        [stances.stands, np.where(stances.stands[..., None], stances.places, 0.0).reshape(-1, 6)],
-        axis=1,
+        [bears, np.where(bears[..., None], stances.places, 0.0).reshape(-1, 6)], axis=1
     )
     _, first, same = np.unique(key, axis=0, return_index=True, return_inverse=True)
     for i, k in enumerate(first):
         corners = [
             sole_corners(stances.places[k, side], spec.length, spec.width)
             for side in Side
-            if stances.stands[k, side] and (spec := robot.sole_spec(side))
+            if bears[k, side] and (spec := robot.sole_spec(side))
         ]
         if not corners:
             continue

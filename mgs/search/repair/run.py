@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,10 +20,11 @@ from mgs.judge.audit.body import SMOOTHING_TIME, body_along
 from mgs.judge.audit.contacts import find_contacts
 from mgs.judge.audit.smoothness import noise
 from mgs.motion.dynamics import place_on_soles
-from mgs.robot import leg_length
+from mgs.robot import Robot, leg_length
 from mgs.search.repair.band import smooth
 from mgs.search.repair.constraints import Constraints
 from mgs.search.repair.figures import Figures, figures_of, link_distance
+from mgs.search.repair.ranges import bridged, clipped
 from mgs.search.repair.solve import Point, Problem, solve
 from mgs.search.repair.stances import Bools, Stances, planar_places, stances_of, standing_soles
 
@@ -40,6 +42,9 @@ AWAY_FROM_PLACE = 5e-3  # [m]
 CORRECTIONS = 4  # of the stances, by the contacts of what was found
 BLUR = 0.15  # [s]
 CUT_OFF = 5.0  # [Hz] above which a smoothed coordinate keeps less than half
+# cut-off of the base where stances change [Hz], smoothness of joints [s^4]: near the given motion,
+# and, if nothing is found so, smoother, as it takes where soles roll or land at speed
+ATTEMPTS = ((5.0, 1e-5), (3.0, 1e-3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,30 +94,46 @@ def repair(given: GivenMotion, progress: Progress | None = None) -> Repaired:
             f"other parts than the soles bear the robot {100.0 * before.off_soles:.0f} % of the "
             "time; only motions on the soles can be repaired"
         )
-    found = nearest_motion(given, progress)
-    return Repaired(found, before, figures_of(found), link_distance(found, given))
+    tried: list[Repaired] = []
+    for cut_off, smoothness in ATTEMPTS:
+        for calm in readings(given):
+            for found in solutions(given, calm, cut_off, smoothness, progress):
+                moved = link_distance(found, given)
+                tried.append(Repaired(found, before, figures_of(found), moved))
+                if not tried[-1].left:
+                    break
+        if not all(one.left for one in tried):
+            break
+    return min(tried, key=lambda one: (len(one.left), one.moved))
 
 
-def nearest_motion(given: GivenMotion, progress: Progress | None = None) -> GivenMotion:
-    """The repaired motion; after each solution the stances are corrected by its contacts."""
-    calm = without_noise(given)
+def readings(given: GivenMotion) -> list[GivenMotion]:
+    """The motion without noise, read in two ways where joints were beyond their ranges."""
+    found = [without_noise(given, clipped), without_noise(given, bridged)]
+    return found[: 1 if np.array_equal(found[0].q, found[1].q) else 2]
+
+
+def solutions(
+    given: GivenMotion,
+    calm: GivenMotion,
+    cut_off: float,
+    smoothness: float,
+    progress: Progress | None = None,
+) -> Iterator[GivenMotion]:
+    """Repaired motions; after each one the stances are corrected by its contacts."""
     blur = BLUR if np.any(_noise(given) > NOISY) else 0.0
     body = body_along(calm, max(blur, SMOOTHING_TIME))
     stands = standing_soles(body, given.dt, leg_length(given.robot), blur)
     planar = planar_places(body.soles, body.turns)
-    stances = stances_of(stands, planar)
-    reference = on_stances(calm, stances)
-    problem = Problem(Constraints(given.robot, stances, given.dt), reference)
-    point = solve(problem, reference.q, progress)
-    for _ in range(CORRECTIONS):
-        stands = corrected(stances.stands, point)
-        if np.array_equal(stands, stances.stands):
-            break
+    tried: list[Bools] = []
+    while len(tried) <= CORRECTIONS and not any(np.array_equal(stands, t) for t in tried):
+        tried.append(stands)
         stances = stances_of(stands, planar)
-        reference = on_stances(calm, stances)
-        problem = Problem(Constraints(given.robot, stances, given.dt), reference)
+        reference = on_stances(calm, stances, cut_off)
+        problem = Problem(Constraints(given.robot, stances, given.dt), reference, smoothness)
         point = solve(problem, reference.q, progress)
-    return point.given
+        yield point.given
+        stands = corrected(stands, point)
 
 
 def corrected(stands: Bools, point: Point) -> Bools:
@@ -128,9 +149,9 @@ def corrected(stands: Bools, point: Point) -> Bools:
     return np.asarray(kept | (contacts.bearing & ~away))
 
 
-def smoothing_weight(dt: float) -> float:
-    """Weight of third differences that halves what is at `CUT_OFF`."""
-    return float((2.0 * np.sin(np.pi * CUT_OFF * dt)) ** -6.0)
+def smoothing_weight(dt: float, cut_off: float) -> float:
+    """Weight of third differences that halves what is at `cut_off` [Hz]."""
+    return float((2.0 * np.sin(np.pi * cut_off * dt)) ** -6.0)
 
 
 def _noise(given: GivenMotion) -> Array:
@@ -138,20 +159,20 @@ def _noise(given: GivenMotion) -> Array:
     return np.asarray(noise(np.diff(given.q, axis=0), given.dt).max(axis=0))
 
 
-def without_noise(given: GivenMotion) -> GivenMotion:
-    """The motion with those coordinates smoothed that tremble."""
+def without_noise(given: GivenMotion, reading: Callable[[Robot, Array], Array]) -> GivenMotion:
+    """The motion with those coordinates smoothed that tremble, and its joints in their ranges."""
     q = given.q.copy()
     noisy = np.flatnonzero(_noise(given) > NOISY)
     if len(noisy):
-        q[:, noisy] = smooth(q[:, noisy], smoothing_weight(given.dt))
+        q[:, noisy] = smooth(q[:, noisy], smoothing_weight(given.dt, CUT_OFF))
         q[:, 3:7] /= np.linalg.norm(q[:, 3:7], axis=1, keepdims=True)
-    q[:, 7:] = np.clip(q[:, 7:], given.robot.lower, given.robot.upper)
+    q[:, 7:] = reading(given.robot, q[:, 7:])
     return dataclasses.replace(
         given, q=q, joint_velocity=None, base_linear=None, base_angular=None, links=None
     )
 
 
-def on_stances(given: GivenMotion, stances: Stances) -> GivenMotion:
+def on_stances(given: GivenMotion, stances: Stances, cut_off: float) -> GivenMotion:
     """The motion with its base where the soles that stand put it, smooth where they change."""
     soles = np.zeros((given.n_samples, 2, 7))
     soles[..., :2] = stances.places[..., :2]
@@ -161,7 +182,7 @@ def on_stances(given: GivenMotion, stances: Stances) -> GivenMotion:
     share = np.where(stands.any(axis=1), stands[:, 0] / np.maximum(stands.sum(axis=1), 1.0), np.nan)
     share = _filled(share)
     base = share[:, None] * both[0][:, :7] + (1.0 - share[:, None]) * _near(both[1], both[0])
-    base = smooth(base, smoothing_weight(given.dt))
+    base = smooth(base, smoothing_weight(given.dt, cut_off))
     base[:, 3:] /= np.linalg.norm(base[:, 3:], axis=1, keepdims=True)
     q = given.q.copy()
     q[:, :7] = base

@@ -7,8 +7,7 @@ e_k is the difference of q_k from the reference. The method is that of multiplie
 "Multiplier and gradient methods", J. Optimization Theory and Applications 4, 1969): each constraint
 adds weight / 2 |r + s|^2, only where r + s > 0 if it is an inequality, and after each round the
 shift s becomes what is in the bars. Each round takes Gauss-Newton steps, whose matrix is banded:
-samples are coupled to the next two by smoothness and by the ZMP, of which the Jacobian is that of a
-cart on a table; its residual is the whole robot's.
+samples are coupled to the next two by smoothness and by the ZMP.
 """
 
 from __future__ import annotations
@@ -25,8 +24,9 @@ from mgs.core.progress import Progress
 from mgs.ik_solver.banded import coupling, second_differences
 from mgs.judge.audit import GivenMotion
 from mgs.judge.audit.body import Body, body_along
-from mgs.search.repair.band import empty_blocks, solve_blocks
+from mgs.search.repair.band import empty_blocks
 from mgs.search.repair.constraints import Constraints, Residuals
+from mgs.search.repair.linear import Linear, Shifts
 
 STEPS, HALVINGS = 6, 6  # of a round
 # what each round has of the weight of the ZMP: while soles are not yet in their places,
@@ -34,12 +34,10 @@ STEPS, HALVINGS = 6, 6  # of a round
 ZMP_SHARES = (0.0, 0.0, 1e-3, 1e-2, 0.1, 1.0, 1.0, 1.0, 1.0)
 WEIGHTS = {"pose": 1e6, "floor": 1e6, "range": 1e4, "speed": 1e4, "zmp": 1e3}
 BASE_PLACE, BASE_TURN = 20.0, 1.0  # weights of the base's part of e, 1 for a joint
-SMOOTHNESS, BASE_SMOOTHNESS = 1e-5, 1e-2  # [s^4] of joints and base
+BASE_SMOOTHNESS = 1e-2  # [s^4]
 ENOUGH = 1e-4  # relative decrease at which the steps of a round end
 DAMPING = 1e-6
 LARGEST = 0.03  # [m] and [rad] of a shift, so that what cannot be met does not take over
-
-Shifts = dict[str, Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,13 +54,13 @@ class Point:
 class Problem:
     """Objective, gradient and curvature of a repair."""
 
-    def __init__(self, constraints: Constraints, reference: GivenMotion) -> None:
+    def __init__(self, constraints: Constraints, reference: GivenMotion, smoothness: float) -> None:
         self.constraints, self.reference = constraints, reference
         dt, p = reference.dt, FLOATING_BASE_NV + reference.robot.n
         self.weight = np.ones(p)
         self.weight[:3], self.weight[3:FLOATING_BASE_NV] = BASE_PLACE, BASE_TURN
         self.weight *= dt
-        self.smoothness = np.full(p, SMOOTHNESS / dt**3)
+        self.smoothness = np.full(p, smoothness / dt**3)
         self.smoothness[:FLOATING_BASE_NV] = BASE_SMOOTHNESS / dt**3
         self.weights = dict(WEIGHTS)
         self.scale = dt  # of the weights of constraints, so that finer sampling changes nothing
@@ -90,62 +88,13 @@ class Problem:
         for d, part in enumerate(coupling(n_samples)):
             blocks[d][:, on, on] += self.smoothness * part[:, None]
         blocks[0][:, on, on] += self.weight + DAMPING
-        self._soles(point, shifts, blocks, g)
-        self._joints(point, shifts, blocks, g)
-        self._zmp(point, shifts, blocks, g)
-        return solve_blocks(blocks, -g)
-
-    def _soles(self, point: Point, shifts: Shifts, blocks: Array, g: Array) -> None:
-        jacobians = self.constraints.jacobians(point.given.q)
-        self._com = jacobians.com
-        stands = self.constraints.stances.stands
-        weight = self.scale * self.weights["pose"]
-        J = np.where(stands[..., None, None], jacobians.soles, 0.0)
-        J = J.reshape(len(J), 12, -1)
-        r = np.where(stands[..., None], point.residuals.pose + shifts["pose"], 0.0)
-        blocks[0] += weight * (J.transpose(0, 2, 1) @ J)
-        g += weight * (r.reshape(len(J), 1, 12) @ J)[:, 0]
-        active = _active("floor", point.residuals.floor, shifts["floor"])
-        low = np.flatnonzero(active.any(axis=(1, 2)))
-        if len(low):
-            C = -self.constraints.corner_jacobians(jacobians, point.body)[low]
-            C = np.where(active[low][..., None] > 0.0, C, 0.0).reshape(len(low), 8, -1)
-            weight = self.scale * self.weights["floor"]
-            blocks[0][low] += weight * (C.transpose(0, 2, 1) @ C)
-            g[low] += weight * (active[low].reshape(len(low), 1, 8) @ C)[:, 0]
-
-    def _joints(self, point: Point, shifts: Shifts, blocks: Array, g: Array) -> None:
-        joints = np.arange(FLOATING_BASE_NV, point.e.shape[1])
-        weight = self.scale * self.weights["range"]
-        active = _active("range", point.residuals.range, shifts["range"])
-        g[:, joints] += weight * (active[:, 0] - active[:, 1])
-        blocks[0][:, joints, joints] += weight * (active > 0.0).any(axis=1)
-        weight = self.scale * self.weights["speed"]
-        active = _active("speed", point.residuals.speed, shifts["speed"])
-        push = weight * (active[:, 0] - active[:, 1])
-        g[1:, joints] += push
-        g[:-1, joints] -= push
-        on = weight * (active > 0.0).any(axis=1)
-        blocks[0][1:, joints, joints] += on
-        blocks[0][:-1, joints, joints] += on
-        blocks[1][:-1, joints, joints] -= on
-
-    def _zmp(self, point: Point, shifts: Shifts, blocks: Array, g: Array) -> None:
-        weight = self.scale * self.weights["zmp"]
-        active = _active("zmp", point.residuals.zmp, shifts["zmp"])
-        k = np.flatnonzero(active.any(axis=1))
-        k = k[(k > 0) & (k < len(active) - 1)]
-        if not len(k):
-            return
-        n = np.where(active[k, :, None] > 0.0, self.constraints.normals[k], 0.0)
-        G = weight * (n.transpose(0, 2, 1) @ n)  # (m, 2, 2)
-        pull = weight * (active[k, None] @ n)  # (m, 1, 2)
-        parts, com = self.constraints.cart, self._com
-        for i in (-1, 0, 1):
-            g[k + i] += parts[i + 1] * (pull @ com[k + i])[:, 0]
-            left = com[k + i].transpose(0, 2, 1) @ G
-            for j in range(-1, i + 1):
-                blocks[i - j][k + j] += parts[i + 1] * parts[j + 1] * (left @ com[k + j])
+        shifted = {name: r + shifts[name] for name, r in vars(point.residuals).items()}
+        linear = Linear(self.constraints, point.given.q, point.body, shifted)
+        curvature, gradient = linear.pose_part(self.scale * self.weights["pose"])
+        blocks[0] += curvature
+        g += gradient
+        weights = {name: self.scale * weight for name, weight in self.weights.items()}
+        return linear.step(blocks, g, weights)
 
 
 def _active(name: str, r: Array, shift: Array) -> Array:
