@@ -94,7 +94,7 @@ def held_out(log: Log, path: list[Path]) -> dict[str, list[dict[str, Any]]]:
 def series(
     log: Log, names: tuple[str, ...], rate: float, seed: int, robot: str | None = None
 ) -> list[dict[str, Any]]:
-    """Figures of damaged motions at one rate [Hz]; those that a robot cannot execute are skipped."""
+    """Figures of damaged motions at one rate [Hz]; a gait that a robot cannot execute is named."""
 
     def one(name: str, rng: np.random.Generator) -> dict[str, Any]:
         try:

@@ -9,16 +9,10 @@ import click
 
 from mgs.cli.colour import bad, good
 from mgs.cli.common import json_option, print_json, say, with_progress
-from mgs.cli.foreign_options import (
-    choices_of,
-    foreign_argument,
-    foreign_options,
-    placed_of,
-    read_own,
-)
+from mgs.cli.foreign_options import either_of, foreign_argument, foreign_options
 
 if TYPE_CHECKING:
-    from mgs.judge.audit import Audit, GivenMotion
+    from mgs.judge.audit import Audit
     from mgs.judge.recorded import Choices
     from mgs.judge.verdict import Verdict
     from mgs.motion import Motion
@@ -44,9 +38,7 @@ def audit(
     file: Path,
     robot: str | None,
     layout: str | None,
-    fps: float | None,
-    order: str | None,
-    quaternion: str | None,
+    choices: Choices,
     physics: str | None,
     fmt: str,
     as_json: bool,
@@ -72,12 +64,15 @@ def audit(
       mgs audit walk.mcap --physics mujoco --json
       mgs audit walk.mcap --format github
     """  # noqa: D301
+    import mgs
     from mgs.judge.audit import audit as run
+    from mgs.judge.recorded import motion_of
 
-    given, motion, notes = _read(
-        file, robot, layout, choices_of(fps, order, quaternion), bool(physics)
-    )
-    result = with_progress(file.name, lambda bar: run(given, bar, name=str(file)))
+    found, placed, motion = either_of(file, robot, layout, choices)
+    notes = [] if motion is not None else [f"layout {found}", *placed.notes]
+    if motion is None and physics:
+        motion = motion_of(placed, found, file.name, mgs.__version__, file.stem)
+    result = with_progress(file.name, lambda bar: run(placed.given, bar, name=str(file)))
     verdict = _replayed(motion, physics) if motion is not None and physics else None
     if as_json:
         replayed = None if verdict is None else verdict.to_dict()
@@ -90,22 +85,6 @@ def audit(
         _print_verdict(verdict)
     passed = result.clean and (verdict is None or verdict.passed)
     ctx.exit(0 if passed else 1)
-
-
-def _read(
-    file: Path, robot: str | None, layout: str | None, choices: Choices, as_motion: bool
-) -> tuple[GivenMotion, Motion | None, list[str]]:
-    """The motion of a file, as a motion of mgs too if that is wanted, and what was decided."""
-    import mgs
-    from mgs.judge.audit import given_by
-    from mgs.judge.recorded import motion_of
-
-    if file.suffix == ".mcap" and layout is None:
-        motion = read_own(file, robot, choices)
-        return given_by(motion), motion, []
-    found, placed = placed_of(file, robot, layout, choices)
-    made = motion_of(placed, found, file.name, mgs.__version__, file.stem) if as_motion else None
-    return placed.given, made, [f"layout {found}", *placed.notes]
 
 
 def _replayed(motion: Motion, physics: str) -> Verdict:

@@ -157,6 +157,12 @@ def _print(comparison: Comparison) -> None:
         np.degrees(comparison.rms(errors)) for errors in (comparison.before, comparison.after)
     )
     say(f"{'all joints':<{width}} {'':<44} {before:>8.3f} {after:>7.3f}")
+    edge = [joint.name for joint in comparison.joints if joint.fit.delay_at_edge]
+    if edge:
+        say(
+            f"warning: delays of {clipped(', '.join(edge), 60)} are at the end of the range that "
+            "is looked at (-100 to 500 ms): --start may be wrong; without it the start is found"
+        )
     if comparison.without_log:
         say(f"not in the log: {', '.join(comparison.without_log)}")
     if comparison.unknown:

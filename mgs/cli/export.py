@@ -84,7 +84,7 @@ def export(
     if lead_in_from is not None and lead_in is None:
         raise click.UsageError("--lead-in-from needs --lead-in, the duration of the way.")
     refuse_place(path, not suffix, force)
-    options = choice.options()
+    options = choice.options(fmt)
     motion = read_motion(file)
     cycle = find_cycle(motion) if as_cycle else None
     exported = export_motion(

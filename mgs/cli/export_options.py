@@ -31,11 +31,15 @@ class Choice:
     motors: Path | None
     unit: Path | None
     feed_forward: bool
-    approach: float
-    tolerance_deg: float
+    approach: float | None
+    tolerance_deg: float | None
 
-    def options(self) -> Options:
-        """Options for the formats; raises ConfigError if a file is malformed."""
+    def options(self, name: str) -> Options:
+        """Options for the format of this name.
+
+        Raises:
+            ConfigError: the format does not use one that is given, or a file is malformed.
+        """
         from mgs.motion_file.formats import Options
         from mgs.robot import read_motors
 
@@ -45,9 +49,27 @@ class Choice:
             links=self.links,
             motors=None if self.motors is None else read_motors(self.motors),
             motors_file=str(self.motors or ""),
-            approach=self.approach,
-            tolerance=math.radians(self.tolerance_deg),
+            **self._used(name),
         )
+
+    def _used(self, name: str) -> dict[str, float]:
+        """Options that only some formats use, as far as they are given."""
+        from mgs.core.errors import ConfigError
+        from mgs.motion_file.formats import FORMATS
+
+        given = {}
+        if self.approach is not None:
+            given["approach"] = self.approach
+        if self.tolerance_deg is not None:
+            given["tolerance"] = math.radians(self.tolerance_deg)
+        for option in given:
+            if option not in FORMATS[name].uses:
+                users = [other for other, entry in FORMATS.items() if option in entry.uses]
+                raise ConfigError(
+                    f"--{option}",
+                    f"format {name} does not use it, only {', '.join(users)}; leave the option out",
+                )
+        return given
 
 
 def _joint_names(text: str) -> tuple[str, ...]:
@@ -96,13 +118,13 @@ OPTIONS = (
         "load, instead of the planned angles.",
     ),
     click.option(
-        "--approach", metavar="S", type=FiniteRange(0.1, 60.0), default=2.0, show_default=True,
-        help="Time to the first frame [s], in formats whose players begin in any posture.",
+        "--approach", metavar="S", type=FiniteRange(0.1, 60.0),
+        help="Time to the first frame [s], for op3-action, bitbots, nubots and naoqi, whose "
+        "players begin in any posture. Default: 2.",
     ),
     click.option(
-        "--tolerance", "tolerance_deg", metavar="DEG", type=FiniteRange(0.01, 30.0), default=0.5,
-        show_default=True,
-        help="Distance of joints from lines between keyframes [deg], in formats of few keyframes.",
+        "--tolerance", "tolerance_deg", metavar="DEG", type=FiniteRange(0.01, 30.0),
+        help="Distance of joints from lines between keyframes [deg], for op3-action. Default: 0.5.",
     ),
 )  # fmt: skip
 

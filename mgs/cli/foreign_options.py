@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,20 +40,40 @@ quaternion_option = click.option(
     help="Order of the numbers of the base's quaternions. Default: the one in which the robot "
     "stands.",
 )  # fmt: skip
+degrees_option = click.option(
+    "--degrees", is_flag=True, help="Joint angles and speeds of a CSV table are in degrees."
+)
 
 
-def foreign_options(command: Any) -> Any:
-    """All of them, for one command."""
-    for option in (quaternion_option, order_option, fps_option, layout_option, robot_option):
-        command = option(command)
-    return command
+def foreign_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command all of them, what is said of the file packed into its argument `choices`."""
+
+    @functools.wraps(command)
+    def packed(**values: Any) -> Any:
+        from mgs.judge.recorded import Choices
+
+        said = {name: values.pop(name) for name in ("fps", "order", "quaternion", "degrees")}
+        return command(choices=Choices(**said), **values)
+
+    wrapped: Callable[..., Any] = packed
+    for option in (
+        degrees_option, quaternion_option, order_option, fps_option, layout_option, robot_option,
+    ):  # fmt: skip
+        wrapped = option(wrapped)
+    return wrapped
 
 
-def choices_of(fps: float | None, order: str | None, quaternion: str | None) -> Choices:
-    """What the user says of a file."""
-    from mgs.judge.recorded import Choices
+def either_of(
+    file: Path, robot: str | None, layout: str | None, choices: Choices
+) -> tuple[str, Placed, Motion | None]:
+    """Layout and motion of a file; of a motion file also the motion as mgs has it."""
+    from mgs.judge.audit import given_by
+    from mgs.judge.recorded import Placed
 
-    return Choices(fps=fps, order=order, quaternion=quaternion)  # type: ignore[arg-type]
+    if file.suffix == ".mcap" and layout is None:
+        motion = read_own(file, robot, choices)
+        return "mgs", Placed(given_by(motion), "file", (), 0.0), motion
+    return *placed_of(file, robot, layout, choices), None
 
 
 def placed_of(
@@ -90,8 +112,8 @@ def read_own(file: Path, robot: str | None, choices: Choices) -> Motion:
     from mgs.robot import load_robot
 
     motion = read_motion(file)
-    for name in ("fps", "order", "quaternion"):
-        if getattr(choices, name) is not None:
+    for name in ("fps", "order", "quaternion", "degrees"):
+        if getattr(choices, name) not in (None, False):
             raise ConfigError(
                 f"--{name}", f"{file} is a motion file, which states it; leave the option out"
             )

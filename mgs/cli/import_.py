@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from mgs.cli.common import force_option, json_option, print_json, say
-from mgs.cli.foreign_options import choices_of, foreign_argument, foreign_options, placed_of
+from mgs.cli.foreign_options import foreign_argument, foreign_options, placed_of
+
+if TYPE_CHECKING:
+    from mgs.judge.recorded import Choices
 
 
 @click.command(name="import")
@@ -23,9 +27,7 @@ def import_(
     file: Path,
     robot: str | None,
     layout: str | None,
-    fps: float | None,
-    order: str | None,
-    quaternion: str | None,
+    choices: Choices,
     output: Path | None,
     force: bool,
     as_json: bool,
@@ -56,7 +58,7 @@ def import_(
 
     path = output or file.with_suffix(".mcap")
     refuse_taken(path, force)
-    found, placed = placed_of(file, robot, layout, choices_of(fps, order, quaternion))
+    found, placed = placed_of(file, robot, layout, choices)
     motion = motion_of(placed, found, file.name, mgs.__version__, file.stem)
     write_motion(motion, path, force=force)
     if as_json:

@@ -268,7 +268,7 @@ def _export_motions(
     motions, choice, as_cycle = conversion
     out = output or folder.with_name(f"{folder.resolve().name}-{motions}")
     chosen = Conversion(
-        motions, choice.options(), choice.fps, as_cycle, choice.unit, choice.feed_forward
+        motions, choice.options(motions), choice.fps, as_cycle, choice.unit, choice.feed_forward
     )
     summary = with_progress(
         "motions",

@@ -102,7 +102,8 @@ def play(ctx: click.Context, /, file: Path, as_json: bool, **options: Any) -> No
     A robot that falls or hits something is dangerous: hang it up or hold it, and have the switch of
     its power at hand. docs/play.md has the safety rules.
 
-    Exit code 0 if all goals were sent, 1 if the motion was stopped or not begun.
+    Exit code 0 if all goals were sent, 1 if the motion was stopped or the robot was not ready, 2 if
+    the port cannot be opened or the input is malformed.
 
     \b
     Examples:

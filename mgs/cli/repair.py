@@ -10,16 +10,10 @@ import click
 
 from mgs.cli.colour import bad, good
 from mgs.cli.common import force_option, json_option, print_json, say, with_progress
-from mgs.cli.foreign_options import (
-    choices_of,
-    foreign_argument,
-    foreign_options,
-    placed_of,
-    read_own,
-)
+from mgs.cli.foreign_options import either_of, foreign_argument, foreign_options
 
 if TYPE_CHECKING:
-    from mgs.judge.recorded import Choices, Placed
+    from mgs.judge.recorded import Choices
     from mgs.search.repair import Repaired
 
 # of the figures: what they are called, their unit, and what they are multiplied by to have it
@@ -49,9 +43,7 @@ def repair(
     file: Path,
     robot: str | None,
     layout: str | None,
-    fps: float | None,
-    order: str | None,
-    quaternion: str | None,
+    choices: Choices,
     output: Path,
     force: bool,
     as_json: bool,
@@ -79,7 +71,7 @@ def repair(
     from mgs.search.repair import repair as run
 
     refuse_taken(output, force)
-    found, placed = _read(file, robot, layout, choices_of(fps, order, quaternion))
+    found, placed, _ = either_of(file, robot, layout, choices)
     result = with_progress(file.name, lambda bar: run(placed.given, bar))
     notes = (*placed.notes, "changed by mgs repair")
     changed = dataclasses.replace(placed, given=result.motion, notes=notes)
@@ -91,17 +83,6 @@ def repair(
     else:
         _print(result, output)
     ctx.exit(1 if result.left else 0)
-
-
-def _read(
-    file: Path, robot: str | None, layout: str | None, choices: Choices
-) -> tuple[str, Placed]:
-    from mgs.judge.audit import given_by
-    from mgs.judge.recorded import Placed
-
-    if file.suffix == ".mcap" and layout is None:
-        return "mgs", Placed(given_by(read_own(file, robot, choices)), "file", (), 0.0)
-    return placed_of(file, robot, layout, choices)
 
 
 def _print(result: Repaired, output: Path) -> None:

@@ -155,7 +155,7 @@ def _begin(out: Path, identity: Mapping[str, Any], resume: bool) -> None:
     if not resume:
         if out.exists():
             raise OutputExistsError(out, "use --resume to continue an earlier export")
-        replace_file(path, json.dumps(identity, indent=2).encode())
+        replace_file(path, json.dumps(identity, indent=2, allow_nan=False).encode())
         return
     if not path.exists():
         raise ConfigError(out, f"holds no {ABOUT} of an earlier export; leave --resume out")
@@ -163,7 +163,7 @@ def _begin(out: Path, identity: Mapping[str, Any], resume: bool) -> None:
         found = json.loads(read_text(path, kind="a description of an export"))
     except ValueError as error:
         raise ConfigError(path, f"is damaged: {error}") from error
-    asked = json.loads(json.dumps(identity))
+    asked = json.loads(json.dumps(identity, allow_nan=False))
     known = found if isinstance(found, dict) else {}
     if differ := [name for name in asked if known.get(name) != asked[name]]:
         raise ConfigError(
@@ -235,4 +235,4 @@ def _write_grid(
     summary.missing = [velocity for velocity in cells if velocity not in by_velocity]
     table = [[[by_velocity.get((x, y, w)) for w in axes[2]] for y in axes[1]] for x in axes[0]]
     content = {"vx": axes[0], "vy": axes[1], "wz": axes[2], "files": table}
-    replace_file(out / GRID, json.dumps(content, indent=1).encode())
+    replace_file(out / GRID, json.dumps(content, indent=1, allow_nan=False).encode())

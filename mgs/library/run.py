@@ -100,15 +100,15 @@ def run_batch(
 
 def identity_of(plan: Plan, recipe: Recipe) -> dict[str, str]:
     """Everything that the content of a library depends on, by the name that messages use."""
-    points = json.dumps([plan.keys, plan.points])
+    points = json.dumps([plan.keys, plan.points], allow_nan=False)
     return {
         "mgs version": mgs.__version__,
         "base gait": plan.base_gait.to_yaml(),
         "gait name": recipe.name,
         "gaits": hashlib.sha256(points.encode()).hexdigest(),
-        "keys": json.dumps(plan.keys),
+        "keys": json.dumps(plan.keys, allow_nan=False),
         "number of gaits": str(len(plan.points)),
-        "robots": hashlib.sha256(json.dumps(recipe.robots).encode()).hexdigest(),
+        "robots": hashlib.sha256(json.dumps(recipe.robots, allow_nan=False).encode()).hexdigest(),
         "physics": ",".join(recipe.engines) or "none",
         "servo": recipe.servo,
     }

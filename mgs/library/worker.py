@@ -114,7 +114,9 @@ def _made(recipe: Recipe, assignments: tuple[str, ...]) -> Outcome:
         **_check_figures(checks),
         **({} if energy is None else energy.to_dict()),
         **_replay_figures(replays, diverged),
-        "checks": json.dumps([_finite(check.to_dict()) for check in verdict.checks]),
+        "checks": json.dumps(
+            [_finite(check.to_dict()) for check in verdict.checks], allow_nan=False
+        ),
     }
     return Outcome({key: _number(value) for key, value in row.items()}, content)
 

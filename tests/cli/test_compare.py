@@ -125,3 +125,13 @@ def test_the_errors_of_a_simulated_robot_are_found_in_its_replay(tmp_path, squat
     for name, offset in true.items():
         assert offsets[name] == pytest.approx(offset, abs=0.006)  # [rad], one tick is 0.005
     assert offsets["right_shoulder_pitch"] == pytest.approx(0.0, abs=0.006)
+
+
+def test_a_start_that_puts_delays_beyond_those_looked_at_is_told(tmp_path, squat):
+    log = log_of(squat, tmp_path)
+    assert "warning" not in run("compare", squat, log).stdout
+    late = run("compare", squat, log, "--start", "0.5")
+    assert late.exit_code == 0 and "--start may be wrong" in late.stdout
+    found = json.loads(run("compare", squat, log, "--start", "0.5", "--json").stdout)
+    joints = {joint["joint"]: joint for joint in found["joints"]}
+    assert joints["left_knee_pitch"]["delay_at_edge"] is True

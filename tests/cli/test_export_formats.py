@@ -118,3 +118,18 @@ def test_the_front_door_exports_formats(walk_file: Path, tmp_path: Path):
     assert run("export", walk_file, *options, "-o", tmp_path / "a.npz").exit_code == 0
     mgs.export(walk_file, tmp_path / "b.npz", "mjlab", fps=25.0, order="breadth-first")
     assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--approach", "3"], "--approach: format csv does not use it, only op3-action, bitbots"),
+        (["--tolerance", "1"], "--tolerance: format csv does not use it, only op3-action;"),
+    ],
+)
+def test_options_that_a_format_does_not_use_are_refused(
+    walk_file: Path, options: list[str], message: str, tmp_path: Path
+):
+    result = run("export", walk_file, *options, "-o", tmp_path / "a.csv")
+    assert (result.exit_code, message in result.stderr) == (2, True), result.stderr
+    assert not (tmp_path / "a.csv").exists()

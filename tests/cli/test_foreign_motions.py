@@ -179,3 +179,17 @@ def test_what_a_motion_file_states_is_not_asked_of_the_user(
     result = run(command, walk_file, *said, *output)
     assert result.exit_code == 2 and told in result.output, result.output
     assert "leave the option out" in result.output and not target.exists()
+
+
+def test_a_table_of_degrees_is_the_same_motion(table: Path, tmp_path: Path):
+    rows = np.loadtxt(table, delimiter=",")
+    rows[:, 7:] = np.degrees(rows[:, 7:])
+    path = tmp_path / "degrees.csv"
+    np.savetxt(path, rows, delimiter=",", fmt="%.9f")
+    options = ("--robot", "melson", "--fps", "30")
+    assert run("import", path, *options, "--degrees").exit_code == 0
+    assert run("import", table, *options, "-o", tmp_path / "radians.mcap").exit_code == 0
+    q = [read_motion(tmp_path / f"{name}.mcap").q for name in ("degrees", "radians")]
+    np.testing.assert_allclose(q[0], q[1], atol=1e-6)
+    refused = run("audit", tmp_path / "degrees.mcap", "--degrees")
+    assert refused.exit_code == 2 and "--degrees" in refused.output

@@ -62,6 +62,7 @@ class JointComparison:
             "samples": fit.samples,
             "sign": fit.sign,
             "delay": fit.delay,
+            "delay_at_edge": fit.delay_at_edge,
             "zero_offset_deg": float(np.degrees(fit.zero_offset)),
             "backlash_deg": float(np.degrees(fit.backlash)) if fit.knows_backlash else None,
             "backlash_error_deg": float(np.degrees(fit.backlash_error)),

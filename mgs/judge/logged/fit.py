@@ -71,6 +71,7 @@ class JointFit:
     knows_backlash: bool
     left: float  # RMS of what the law does not explain
     samples: int
+    delay_at_edge: bool  # of the delays that were looked at, so that it may well be beyond
 
 
 def fit_joint(
@@ -103,6 +104,7 @@ def fit_joint(
         knows_backlash=known[1],
         left=left,
         samples=len(position),
+        delay_at_edge=sought and not DELAYS[0] < at < DELAYS[1],
     )
 
 

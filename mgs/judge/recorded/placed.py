@@ -41,6 +41,7 @@ class Choices:
     fps: float | None = None  # [Hz]
     order: Order | None = None  # of joints without names
     quaternion: QuaternionOrder | None = None  # of the base
+    degrees: bool = False  # angles and speeds of joints, in a table
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +68,9 @@ def place_recorded(recorded: RecordedMotion, robot: Robot, choices: Choices, sou
             source, f"has {recorded.n_frames} frame; a motion has at least {LEAST_FRAMES}"
         )
     notes = list(recorded.notes)
+    if choices.degrees:
+        recorded = _in_radians(recorded, source)
+        notes.append("joint angles taken in degrees, as asked for")
     fps = _rate(recorded, choices, source, notes)
     joints, velocity = _joints(recorded, robot, choices, source, notes)
     base: Literal["file", "contacts"] = "file"
@@ -94,6 +98,21 @@ def place_recorded(recorded: RecordedMotion, robot: Robot, choices: Choices, sou
         links=_links(recorded, recorded.links, robot),
     )
     return Placed(given, base, tuple(notes), standing_score(robot, q, 1.0 / fps))
+
+
+def _in_radians(recorded: RecordedMotion, source: str) -> RecordedMotion:
+    """The motion of a table of degrees; no other file has them."""
+    if not source.endswith(".csv"):
+        raise ConfigError(
+            "--degrees",
+            f"{source} is no table (.csv); its layout has radians: leave the option out",
+        )
+    velocity = recorded.joint_velocity
+    return dataclasses.replace(
+        recorded,
+        joints=np.radians(recorded.joints),
+        joint_velocity=None if velocity is None else np.radians(velocity),
+    )
 
 
 def _rate(recorded: RecordedMotion, choices: Choices, source: str, notes: list[str]) -> float:
@@ -169,7 +188,7 @@ def _refuse_degrees(robot: Robot, joints: Array, source: str) -> None:
             source,
             f"{robot.joint_names[j]} is at {joints[k, j]:.4g} rad in frame {k}, more than a turn "
             f"beyond its range ({robot.lower[j]:.4g} to {robot.upper[j]:.4g}); angles are read in "
-            "radians: if the file has degrees, multiply them by pi / 180",
+            "radians: if the file has degrees, add --degrees",
         )
 
 

@@ -82,6 +82,7 @@ class Format:
     fps: float | None = None  # that its readers expect [Hz]; None: any, so the planned samples
     closed: bool = False  # True: a cycle ends with its first frame
     resolution: float = 0.0  # of a joint angle, which it may come back wrong by [rad]
+    uses: frozenset[str] = frozenset()  # of `approach` and `tolerance` in `Options`
     extra: str = ""  # of mgs, which installs the libraries that it needs
 
     def write(self, sampled: SampledMotion, path: Path, options: Options) -> Written:

@@ -178,4 +178,4 @@ def facts(motion: Motion) -> list[list[str]]:
 
 def provenance_text(motion: Motion) -> str:
     """How the motion was made, as indented JSON."""
-    return json.dumps(motion.provenance.to_dict(), indent=2, default=str)
+    return json.dumps(motion.provenance.to_dict(), indent=2, default=str, allow_nan=False)

@@ -72,10 +72,12 @@ def write_frames(path: Path, content: dict[str, Any], table: Columns) -> None:
     """Write the entries and the frames."""
     rows = np.round(np.hstack(list(table.values())), DIGITS) + 0.0  # no -0.0
     with path.open("w", encoding="utf-8") as stream:
-        text = json.dumps(content, indent=1)
+        text = json.dumps(content, indent=1, allow_nan=False)
         stream.write(text.removesuffix("\n}") + ',\n "Frames": [\n')
         for k, row in enumerate(rows):
-            stream.write(f"  {json.dumps(row.tolist())}{',' if k < len(rows) - 1 else ''}\n")
+            stream.write(
+                f"  {json.dumps(row.tolist(), allow_nan=False)}{',' if k < len(rows) - 1 else ''}\n"
+            )
         stream.write(" ]\n}\n")
 
 

@@ -137,7 +137,7 @@ def _tasks(task: str) -> Any:
     ]
     meta = {"index_columns": [index], "column_indexes": [], "columns": columns}
     table = pa.table({"task_index": pa.array([0], pa.int64()), index: [task]})
-    return table.replace_schema_metadata({"pandas": json.dumps(meta)})
+    return table.replace_schema_metadata({"pandas": json.dumps(meta, allow_nan=False)})
 
 
 def _episode(task: str, n: int, stats: dict[str, dict[str, list[float]]]) -> Any:
@@ -162,7 +162,7 @@ def _episode(task: str, n: int, stats: dict[str, dict[str, list[float]]]) -> Any
 
 def _write_json(path: Path, content: object) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(content, indent=4) + "\n", encoding="utf-8")
+    path.write_text(json.dumps(content, indent=4, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def _write_table(path: Path, table: Any) -> None:

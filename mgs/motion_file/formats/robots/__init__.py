@@ -28,6 +28,7 @@ ROBOTS: tuple[Format, ...] = (
     Format(
         "op3-action", "action file of ROBOTIS OP3, reduced to keyframes",
         ".bin", f"{_HERE}.op3_action", fps=125.0, closed=True, resolution=KEYFRAMES,
+        uses=frozenset({"approach", "tolerance"}),
     ),
     Format("jtc", "trajectory for ros2_control", ".yaml", f"{_HERE}.jtc"),
     Format(
@@ -37,10 +38,11 @@ ROBOTS: tuple[Format, ...] = (
     Format(
         "bitbots", "animation of the Bit-Bots",
         ".json", f"{_HERE}.bitbots", fps=100.0, closed=True, resolution=1e-12,
+        uses=frozenset({"approach"}),
     ),
     Format(
         "nubots", "script of the NUbots (NUgus)",
-        ".yaml", f"{_HERE}.nubots", fps=50.0, closed=True,
+        ".yaml", f"{_HERE}.nubots", fps=50.0, closed=True, uses=frozenset({"approach"}),
     ),
     Format(
         "hulks", "motion of the HULKs for NAO",
@@ -48,7 +50,7 @@ ROBOTS: tuple[Format, ...] = (
     ),
     Format(
         "naoqi", "lists for ALMotion.angleInterpolation of NAO and Pepper",
-        ".json", f"{_HERE}.naoqi", fps=50.0, closed=True,
+        ".json", f"{_HERE}.naoqi", fps=50.0, closed=True, uses=frozenset({"approach"}),
     ),
     Format(
         "webots", "motion file of the simulator Webots",
