@@ -43,13 +43,15 @@ class Choice:
         from mgs.motion_file.formats import Options
         from mgs.robot import read_motors
 
+        used = self._used(name)
         return Options(
             joints=None if self.joints is None else _joint_names(self.joints),
             order=self.order,
             links=self.links,
             motors=None if self.motors is None else read_motors(self.motors),
             motors_file=str(self.motors or ""),
-            **self._used(name),
+            approach=used.get("approach", Options.approach),
+            tolerance=used.get("tolerance", Options.tolerance),
         )
 
     def _used(self, name: str) -> dict[str, float]:

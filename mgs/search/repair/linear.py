@@ -14,6 +14,7 @@ from mgs.core.constants import FLOATING_BASE_NV
 from mgs.judge.audit.body import Body
 from mgs.search.repair.band import solve_blocks
 from mgs.search.repair.constraints import Constraints
+from mgs.search.repair.stances import Bools
 
 PASSES = 4  # in which it is found which inequalities count
 INEQUALITIES = ("floor", "range", "speed", "zmp")
@@ -78,7 +79,7 @@ class Linear:
             "zmp": zmp,
         }
 
-    def _add_floor(self, A: Array, b: Array, weight: float, counts: Array, active: Array) -> None:
+    def _add_floor(self, A: Array, b: Array, weight: float, counts: Bools, active: Array) -> None:
         low = np.flatnonzero(counts.any(axis=(1, 2)))
         if len(low):
             C = np.where(counts[low].reshape(-1, 8, 1), self.floor[low], 0.0)
@@ -86,7 +87,12 @@ class Linear:
             b[low] += weight * (active[low].reshape(-1, 1, 8) @ C)[:, 0]
 
     def _add_joints(
-        self, A: Array, b: Array, weights: dict[str, float], counts: Shifts, active: Shifts
+        self,
+        A: Array,
+        b: Array,
+        weights: dict[str, float],
+        counts: dict[str, Bools],
+        active: Shifts,
     ) -> None:
         joints = np.arange(FLOATING_BASE_NV, b.shape[1])
         weight = weights["range"]
@@ -101,7 +107,7 @@ class Linear:
         A[0][:-1, joints, joints] += on
         A[1][:-1, joints, joints] -= on
 
-    def _add_zmp(self, A: Array, b: Array, weight: float, counts: Array, active: Array) -> None:
+    def _add_zmp(self, A: Array, b: Array, weight: float, counts: Bools, active: Array) -> None:
         rows = np.flatnonzero(counts[self.inner].any(axis=1))
         if not len(rows):
             return
