@@ -1,11 +1,13 @@
 """Third-party humanoids, URDF and MJCF: init, check, generate, validate, reasons of failures.
 
 pip install "mgs[robots]"   installs the first two packages; the others are used if installed
-python benchmarks/third_party_robots.py [-o DIR] [--path SITE_PACKAGES] [NAME ...]
+python benchmarks/third_party_robots.py [-o DIR [--resume]] [--path SITE_PACKAGES] [NAME ...]
 
 Every step is a command of mgs; no file is edited between the commands. Robots whose package is not
 installed are named and skipped. Prints the Markdown table of docs/robots.md; the columns of the
-engines show the replay with ideal servos and the one with PD servos.
+engines show the replay with ideal servos and the one with PD servos, and the column `lab` in how
+many of 20 random replays in MuJoCo the robot stays up with ideal and with PD servos. With
+--resume, rows that an earlier run has left in DIR are printed as they are.
 """
 
 from __future__ import annotations
@@ -62,6 +64,8 @@ ROBOTS = {  # in the order of packages: example-robot-data, icub-models, fourier
     "Bolt": f"{DATA}/bolt_description/robots/bolt.urdf",
     "Cassie": f"{DATA}/cassie_description/robots/cassie_v2.sdf",
 }
+DRAWS = 20  # random replays of each kind of servos
+COLUMNS = ("joints", "mass", "sole", "walk", "PyBullet", "MuJoCo", "lab", "verdict")
 COMMAND = [sys.executable, "-c", "from mgs.cli import main; main()"]
 
 
@@ -75,19 +79,30 @@ def main() -> None:
         type=Path,
         help="folder for robot folders and motions; default: a temporary one",
     )
+    parser.add_argument("--resume", action="store_true", help="keep the rows of an earlier run")
     parser.add_argument("--path", type=Path, action="append", default=[], help="folder of packages")
     arguments = parser.parse_args()
     folders = [*arguments.path, *(Path(entry) for entry in sys.path if entry)]
-    print("| robot | joints | mass | sole | walk | PyBullet | MuJoCo | verdict |")
-    print("| --- | ---: | ---: | --- | --- | --- | --- | --- |")
+    print(f"| robot | {' | '.join(COLUMNS)} |\n| --- | ---: | ---: |{' --- |' * 6}")
     with tempfile.TemporaryDirectory() as scratch:
         output = arguments.output or Path(scratch)
         for name in arguments.names or ROBOTS:
-            urdf = find(ROBOTS[name], folders)
-            cells = ["", "", "", "", "", "", "not installed"]
-            if urdf is not None:
-                cells = walked(urdf, output / urdf.parent.parent.name / urdf.stem)
-            print(f"| {name} | {' | '.join(cells)} |", flush=True)
+            print(f"| {name} | {' | '.join(row(name, folders, output, arguments.resume))} |")
+            sys.stdout.flush()
+
+
+def row(name: str, folders: list[Path], output: Path, resume: bool) -> list[str]:
+    """Table cells of a robot, from an earlier run or a new one."""
+    kept = output / "rows" / f"{name}.json"
+    if resume and kept.is_file():
+        return list(json.loads(kept.read_text()))
+    source = find(ROBOTS[name], folders)
+    if source is None:
+        return [*[""] * (len(COLUMNS) - 1), "not installed"]
+    cells = walked(source, output / source.parent.parent.name / source.stem)
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    kept.write_text(json.dumps(cells))
+    return cells
 
 
 def find(path: str, folders: list[Path]) -> Path | None:
@@ -103,7 +118,7 @@ def walked(urdf: Path, folder: Path) -> list[str]:
     """Table cells of one robot: joints, mass, sole, walk, engines, verdict."""
     code, text = run("robot", "init", str(urdf), "-o", str(folder), "--force", "--json")
     if code:
-        return ["", "", "", "", "", "", f"refused: {reason(text, urdf)}"]
+        return [*[""] * (len(COLUMNS) - 1), f"refused: {reason(text, urdf)}"]
     found = json.loads(text)
     joints = json.loads(run("robot", "show", str(folder), "--json")[1])["joints"]
     length, width = found["soles"]["left"]
@@ -114,15 +129,15 @@ def walked(urdf: Path, folder: Path) -> list[str]:
     motion = folder / "walk.mcap"
     code, text = run("generate", "walk", "--robot", str(folder), "-o", str(motion), "--force")
     if code:
-        return [*cells, "", "", "", f"{told}not generated: {reason(text, urdf)}"]
+        return [*cells, "", "", "", "", f"{told}not generated: {reason(text, urdf)}"]
     return [*cells, *validated(motion, told)]
 
 
 def validated(motion: Path, told: str) -> list[str]:
-    """Table cells of a motion: walk, engines, verdict."""
+    """Table cells of a motion: walk, engines, random replays, verdict."""
     _, text = run("validate", str(motion), "--json")
     if not text.startswith("{"):
-        return ["", "", "", f"{told}not simulated: {reason(text, motion)}"]
+        return ["", "", "", "", f"{told}not simulated: {reason(text, motion)}"]
     verdict = json.loads(text)
     fates: dict[str, list[str]] = {}
     for replay in verdict["replays"]:  # ideal servos, then PD servos
@@ -135,7 +150,15 @@ def validated(motion: Path, told: str) -> list[str]:
     ]
     end = "passes" if not failed else f"fails: {'; '.join(failed)}"
     engines = [" / ".join(fates.get(engine, [])) for engine in ("pybullet", "mujoco")]
-    return [f"{planned:.2f} m", *engines, f"{told}{end}"]
+    drawn = " / ".join(survivals(motion, servo) for servo in ("ideal", "pd"))
+    return [f"{planned:.2f} m", *engines, drawn, f"{told}{end}"]
+
+
+def survivals(motion: Path, servo: str) -> str:
+    """Number of random replays in which the robot stays up."""
+    options = ["--physics", "mujoco", "--servo", servo, "--ranges", "lab"]
+    _, text = run("validate", str(motion), "--json", "--monte-carlo", str(DRAWS), *options)
+    return f"{json.loads(text)['monte_carlo']['survived']}" if text.startswith("{") else "none"
 
 
 def fate(replay: dict[str, float]) -> str:
