@@ -125,7 +125,10 @@ def find_mesh(name: str, urdf: Path, package_paths: tuple[Path, ...]) -> Path | 
     if kind == "file":
         path = urdf.parent / rest
         own = next((p for p in urdf.parents if (p / "package.xml").is_file()), urdf.parent)
-        return path if is_file(path) and is_inside(path, (urdf.parent, own, *known)) else None
+        # The usual layout NAME/urdf/x.urdf and NAME/meshes, without the package.xml of ROS.
+        beside = urdf.resolve().parent.parent / "meshes"
+        own_folders = (urdf.parent, own) if beside.is_symlink() else (urdf.parent, own, beside)
+        return path if is_file(path) and is_inside(path, (*own_folders, *known)) else None
     package, _, inside = rest.lstrip("/").partition("/")
     if package in ("", ".", ".."):
         return None

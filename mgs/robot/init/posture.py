@@ -199,11 +199,13 @@ def stance_width(
     """Distance of the soles from each other [m].
 
     That of the zero posture, but at most the part `widest` of the leg length [m]: while a robot
-    walks, its CoM has to move from one sole to the other. The soles keep a gap in any case.
+    walks, its CoM has to move from one sole to the other. Soles that stand narrower than at rest
+    keep a gap, and so do soles that overlap at rest.
     """
     zero = float(rest[0].translation[1] - rest[1].translation[1])
-    with_gap = (1.0 + LEAST_GAP) * 0.5 * (soles[0].width + soles[1].width)
-    return min(zero, max(widest * length, with_gap))
+    side_by_side = 0.5 * (soles[0].width + soles[1].width)
+    with_gap = (1.0 + LEAST_GAP) * side_by_side
+    return with_gap if zero < side_by_side else min(zero, max(widest * length, with_gap))
 
 
 def _with_legs(

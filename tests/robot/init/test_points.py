@@ -76,6 +76,21 @@ def test_packages_are_found_in_the_paths_of_ros_and_ament(
     assert find_mesh("package://feet/foot.stl", urdf, ()) == mesh
 
 
+def test_meshes_beside_the_folder_of_the_urdf_are_found(tmp_path: Path):
+    """The usual layout of packages, here without package.xml; not through a link elsewhere."""
+    mesh = tmp_path / "robot" / "meshes" / "foot.stl"
+    write_box(mesh)
+    write_box(tmp_path / "other" / "foot.stl")
+    urdf = tmp_path / "robot" / "urdf" / "robot.urdf"
+    urdf.parent.mkdir()
+    assert find_mesh("../meshes/foot.stl", urdf, ()) == urdf.parent / "../meshes/foot.stl"
+    assert find_mesh("../../other/foot.stl", urdf, ()) is None
+    mesh.unlink()
+    mesh.parent.rmdir()
+    mesh.parent.symlink_to(tmp_path / "other")
+    assert find_mesh("../meshes/foot.stl", urdf, ()) is None
+
+
 def test_plain_paths_are_relative_to_the_urdf(tmp_path: Path):
     write_box(tmp_path / "meshes" / "foot.stl")
     urdf = tmp_path / "robot.urdf"
