@@ -99,7 +99,7 @@ def row(name: str, folders: list[Path], output: Path, resume: bool) -> list[str]
     source = find(ROBOTS[name], folders)
     if source is None:
         return [*[""] * (len(COLUMNS) - 1), "not installed"]
-    cells = walked(source, output / source.parent.parent.name / source.stem)
+    cells = walked(source, output / name)
     kept.parent.mkdir(parents=True, exist_ok=True)
     kept.write_text(json.dumps(cells))
     return cells

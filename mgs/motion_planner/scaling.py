@@ -3,8 +3,9 @@
 Walks of robots of different size are alike if lengths are proportional to the leg length L and
 durations to sqrt(L / g): their Froude numbers v^2 / (g L) are equal (R. McN. Alexander, "The gaits
 of bipedal and quadrupedal animals", Int. J. Robotics Research 3(2), 1984). The factors below give a
-slow walk with a Froude number of 0.0003. On servos that give way a robot sways on one leg; steps
-that are quicker come in time with its swaying and grow it until the robot falls.
+slow walk with a Froude number of 0.0002. On servos that give way, the pelvis sinks where the swing
+foot leaves the ground, and the robot sways on one leg. Steps that are quicker come in time with its
+swaying and grow it until the robot falls; docs/robots.md shows of which servos that was seen.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from mgs.robot import Robot, leg_length
 from mgs.robot.legs import missing_turn
 
 STEP_LENGTH, STEP_HEIGHT, ZMP_TOLERANCE = 0.12, 0.04, 5e-4  # in leg lengths
-SINGLE_SUPPORT, DOUBLE_SUPPORT = 3.6, 2.9  # in sqrt(L / g)
+SINGLE_SUPPORT, DOUBLE_SUPPORT = 5.0, 2.9  # in sqrt(L / g)
 QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT = 1.2, 0.5  # of robots that only sway their trunk
 QUICK_PASSES = 8  # passes of the dynamic filter for such robots
 REST = 3.0  # [s] before and after the steps; with less, hips exceed their RMS torque on some robots
