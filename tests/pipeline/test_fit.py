@@ -11,6 +11,7 @@ from mgs.core.errors import InfeasibleGaitError
 from mgs.gait import WalkGait, load_gait
 from mgs.judge.motion_checks import check_motion
 from mgs.motion.joint_load import uses_of_legs
+from mgs.motion_planner import for_robot, plan_motion
 from mgs.pipeline import generate, run_stages
 from mgs.pipeline.fit import FACTORS, MOST_USE, fit_walk
 from mgs.robot import Robot, leg_mask, load_robot
@@ -76,7 +77,8 @@ def test_what_no_walk_gives_is_told(tmp_path: Path):
 def test_walks_of_too_many_samples_are_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Longer rests, which weak legs would need, do not fit."""
     robot = biped(tmp_path, 30.0)
-    monkeypatch.setattr("mgs.gait.gait_file.MAX_SAMPLES", 1300)
+    as_derived = plan_motion(robot, for_robot(walk(), robot)).n_samples
+    monkeypatch.setattr("mgs.gait.gait_file.MAX_SAMPLES", as_derived + 100)
     _, fit = fit_walk(robot, walk())
     assert not set(fit.changes) & {"lead_in", "lead_out"}
 
