@@ -7,8 +7,8 @@ python benchmarks/audit.py --json              output as one JSON object
 
 Clean motions come from gaits on which no threshold was set; `--first` takes those on which they
 were. Each trial has random numbers of its own, from the seed, the kind of defect and its number, so
-that a miss can be repeated alone and a log may be continued. Prints Markdown tables; TIME on
-one core.
+that a miss can be repeated alone and a log may be continued. Prints Markdown tables; ten minutes
+on one core. Set OPENBLAS_NUM_THREADS=1: the matrices are too small for several threads.
 """
 
 from __future__ import annotations
