@@ -34,6 +34,7 @@ COMMANDS = {
     "envelope": LazyCommand(
         "mgs.cli.envelope", "Find the longest step and the fastest walk of a robot."
     ),
+    "optimize": LazyCommand("mgs.cli.optimize", "Lower the torques of a finished motion."),
     "refine": LazyCommand(
         "mgs.cli.refine", "Correct a motion by the deviations that its replays show."
     ),

@@ -35,6 +35,15 @@ class Corrections:
 
 
 @dataclass(frozen=True)
+class Optimisation:
+    """What `mgs optimize` asked for, and the objective before and after."""
+
+    weights: Mapping[str, float]
+    margin: float  # of the centre of pressure from the edge of a sole [m]
+    objective: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class Provenance:
     """Everything about the making of a motion that its gait file does not say."""
 
@@ -44,6 +53,7 @@ class Provenance:
     report: Mapping[str, Any] = field(default_factory=dict)  # how the solver fared
     zmp_error: FilterReport | None = None  # None: no ZMP was planned
     refined: Corrections | None = None
+    optimised: Optimisation | None = None
     parts: tuple[Provenance, ...] = ()  # those of the parts of a sequence
 
     def to_dict(self) -> dict[str, Any]:
@@ -52,6 +62,7 @@ class Provenance:
             "com_generator": self.com_generator and asdict(self.com_generator),
             "zmp_error": self.zmp_error and asdict(self.zmp_error),
             "refined": self.refined and asdict(self.refined),
+            "optimised": self.optimised and asdict(self.optimised),
             "parts": [part.to_dict() for part in self.parts],
         }
         return {

@@ -118,13 +118,19 @@ def refine(
         progress: function that is called with the number of finished and of possible replays.
 
     Raises:
-        ConfigError: the motion is a sequence.
+        ConfigError: the motion is a sequence, or was changed by `mgs optimize`.
         SimulationError: an engine is missing, or a simulation diverged.
         InfeasibleGaitError: the gait of the motion can no longer be generated.
     """
     if isinstance(motion.gait, SequenceGait):
         raise ConfigError(
             motion.gait_name, "a sequence cannot be refined as a whole; refine its parts one by one"
+        )
+    if motion.provenance.optimised is not None:
+        raise ConfigError(
+            motion.gait_name,
+            "mgs optimize changed this motion, and a refinement, which solves the inverse kinematics "
+            "anew, would undo that; refine first, and optimize the result",
         )
     stages = run_stages(motion.robot, motion.gait, motion.gait_name)
     com = _shifted(stages.com, motion.com_ref - stages.com.position, motion.dt)

@@ -42,10 +42,10 @@ def wrench_cones(robot: Robot, side: Side, tasks: TaskTrajectory, wrenches: Arra
     to_local = np.zeros((len(p), 6, 6))
     to_local[:, :3, :3] = to_local[:, 3:, 3:] = R.transpose(0, 2, 1)
     to_local[:, 3:, :3] = -R.transpose(0, 2, 1) @ skew(p)
-    return _cone_of_rectangle(x, y, FRICTION) @ to_local
+    return cone_of_rectangle(x, y, FRICTION) @ to_local
 
 
-def _cone_of_rectangle(x: Array, y: Array, mu: float) -> Array:
+def cone_of_rectangle(x: Array, y: Array, mu: float) -> Array:
     """Rows (N, 16, 6) for half lengths x and half widths y (N,), in the sole's frame."""
     U = np.zeros((len(x), N_CONE, 6))
     U[:, :4, 0], U[:, :4, 1] = [1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0]
