@@ -31,12 +31,14 @@ DIMENSIONLESS = {
     "gait: FarajiParameters.damping",
     "gait: FarajiParameters.gamma",
     "gait: FarajiParameters.soft",
+    "gait: IkParameters.gamma_momentum",
     "gait: PrioritizedParameters.feedback",
     "gait: TrajectoryParameters.tolerance",
     "gait: TrajectoryParameters.weight_joint",
     "gait: TrajectoryParameters.weight_limit",
     "gait: WalkParameters.arm_swing",
     "gait: WalkParameters.landing",
+    "gait: WholeBodyIkParameters.gamma_momentum",
 }
 
 

@@ -266,6 +266,13 @@ class IkParameters(Model):
         "gamma_grav also decreases to zero over this duration before each double support phase, "
         "and increases again after it.",
     )
+    gamma_momentum: float = Field(
+        0.0,
+        ge=0.0,
+        le=1.0,
+        description="Fraction of the angular momentum about the vertical that a null-space motion "
+        "removes, with `walk.hands: free` mostly of the arms; for the solver clik; 0: none.",
+    )
     double_support: SharingName = Field(
         "shared",
         description="Assumed distribution of the weight between both soles in double support, "

@@ -239,6 +239,12 @@ class WalkParameters(Model):
         description="Forward motion of each hand as a fraction of the motion of the opposite "
         "foot, both relative to the midpoint between the soles; 0: no arm swing.",
     )
+    hands: Literal["held", "free"] = Field(
+        "held",
+        description="Task of the hands. held: they keep their places beside the centre of mass, "
+        "and move with arm_swing; free: they have no task, and the null-space motions of the "
+        "block ik move the arms.",
+    )
     boxes: Annotated[list[BoxParameters], Field(max_length=MAX_BOXES)] = Field(
         [],
         description="List of boxes, which are stairs and obstacles: a footstep above a box stands "
@@ -271,5 +277,14 @@ class WalkParameters(Model):
         if self.n_steps == 1 and (self.step_length or self.lateral or self.step_yaw):
             raise ValueError(
                 "n_steps = 1 is the closing step alone, which does not advance; use n_steps >= 2"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _swings_hands_that_it_holds(self) -> WalkParameters:
+        if self.hands == "free" and self.arm_swing:
+            raise ValueError(
+                f"arm_swing = {self.arm_swing:g} moves hands that are held; use arm_swing: 0 or "
+                "hands: held"
             )
         return self

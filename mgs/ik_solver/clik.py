@@ -17,7 +17,8 @@ The paper leaves the orientation of the torso free, and it drifts. With the opti
 task of lower priority than J and of higher priority than v0. Its step is taken in the null space of
 J, so that it is met where the robot can meet it, and never at the cost of soles, hands or CoM
 (B. Siciliano and J.-J. Slotine, "A general framework for managing multiple tasks in highly
-redundant robotic systems", ICAR 1991).
+redundant robotic systems", ICAR 1991). With `gamma_momentum` the angular momentum about the
+vertical is a task below the torso (`mgs.ik_solver.tree.lower_tasks`).
 
 The equations know no hard limits. With `on_limit: hold`, a span in which a joint leaves its range
 or exceeds its speed is solved again, with that joint held at its limit
@@ -50,13 +51,13 @@ from mgs.ik_solver.joint_trajectory import JointTrajectory
 from mgs.ik_solver.residuals import refuse_limits, refuse_misses, refuse_speed
 from mgs.ik_solver.tree.joint_bounds import JointBounds
 from mgs.ik_solver.tree.least_norm import LeastNorm
+from mgs.ik_solver.tree.lower_tasks import LowerTasks
 from mgs.ik_solver.tree.static_loads import Sharing, StaticLoads, loaded_gravity
 from mgs.ik_solver.tree.targets import (
     TREE_TASKS,
     TorsoMode,
     refuse_torso,
     task_steps,
-    torso_targets,
     tree_targets,
 )
 from mgs.ik_solver.tree.tasks import N_TASKS, TreeTasks
@@ -64,13 +65,9 @@ from mgs.robot import Robot
 from mgs.trajectory_planner import TaskTrajectory
 
 DAMPING = 1e-6  # Levenberg term, in the unit of J
-TORSO_DAMPING = 0.02  # of the torso's Jacobian in the null space, whose singular values are about 1
-TORSO_SPEED = 1.0  # [rad/s] at which an orientation that was out of reach is recovered
-TORSO_WEIGHT = 5.0  # of the torso's Jacobian against the joints' where joints are held at limits
 UPDATE_ABOVE = 1e-5  # [m] and [rad], task error that calls for a Newton update
 MAX_UPDATES = 10  # per sample; one or two are enough where they converge
 MAX_START_UPDATES = 50
-EYE = np.eye(3)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,6 +79,7 @@ class ClosedLoopIk:
     gamma_grav_ramp: float  # time over which gamma_grav rises and falls [s]
     double_support: Sharing  # how two soles share the weight; off: gamma_grav is 0 there
     iterations: int | None  # Newton updates per sample; None: until UPDATE_ABOVE is met
+    gamma_momentum: float  # part of the angular momentum that is taken away in the null space
     torso: TorsoMode  # the orientation of the torso that is kept in the null space
     on_limit: OnLimit  # what becomes of a motion in which a joint reaches its limit
 
@@ -94,6 +92,7 @@ class ClosedLoopIk:
             gamma_grav_ramp=parameters.gamma_grav_ramp,
             double_support=parameters.double_support,
             iterations=parameters.iterations,
+            gamma_momentum=parameters.gamma_momentum,
             torso=parameters.torso,
             on_limit=parameters.on_limit,
         )
@@ -138,7 +137,7 @@ class _Run:
         self.middle = 0.5 * (robot.upper + robot.lower)
         self.loads: StaticLoads | None = None
         self._set_gains()
-        self.torso = torso_targets(robot, tasks, settings.torso)
+        self.lower = LowerTasks(robot, tasks, settings.torso, settings.gamma_momentum)
         self.angles = np.empty((tasks.n_samples, robot.n))
 
     def _set_gains(self) -> None:
@@ -238,7 +237,7 @@ class _Run:
         path, errors = np.empty_like(pull), np.empty_like(advance)
         solver = LeastNorm(tree.rows, DAMPING)
         v0, gain_grav, error = solver.v, self.gain_grav, errors[0]
-        torso_stride = TORSO_SPEED * self.tasks.dt
+        has_lower = bool(self.lower)
         tree.update(q)
         tree.error(positions[0], rotations[0], error)
         rows = zip(positions, rotations, advance, aim, pull, path, errors, strict=True)
@@ -248,10 +247,10 @@ class _Run:
                 tau, dtau = loaded_gravity(tree, self.loads, k, q)
                 v0 -= tau.dot(dtau) * gain_grav[k]
             dq = solver.step(error + step)
-            if self.torso is not None:
-                dq = self._add_torso(tree, solver, dq, self.torso[k], torso_stride)
+            if has_lower:
+                dq = self.lower.add(tree, solver, dq, q, k)
             if bounds is not None:
-                dq = bounds.limit(dq, q, q, tree.J, error + step, self._torso_rows(tree))
+                dq = bounds.limit(dq, q, q, tree.J, error + step, self.lower.rows(tree))
             q_last, q = q, np.add(q, dq, q_next)
             error = error_next  # t[k] - f(q[k]); with the next step t[k+1] - f(q[k])
             tree.update(q)
@@ -259,22 +258,6 @@ class _Run:
             if error.dot(error) > self.threshold2:
                 self._correct(tree, solver, q, x, R, error, bounds, q_last)
         return path, errors
-
-    def _add_torso(
-        self, tree: TreeTasks, solver: LeastNorm, dq: Array, R_ref: Array, stride: float = np.inf
-    ) -> Array:
-        """The joint step dq (n,) that `solver` found, with the turn of the torso below it.
-
-        The torso turns by at most `stride` [rad].
-        """
-        J_torso, turn = tree.torso_error(R_ref)
-        if turn.dot(turn) > stride**2:  # full steps back from far away would overshoot
-            turn *= stride / np.sqrt(turn.dot(turn))
-        return solver.add_below(dq, J_torso, turn, TORSO_DAMPING)
-
-    def _torso_rows(self, tree: TreeTasks) -> Array | None:
-        """Weighted Jacobian (3, n) of the torso's turn, if the torso is a task."""
-        return None if self.torso is None else TORSO_WEIGHT * tree.torso_error(EYE)[0]
 
     def _correct(
         self,
@@ -295,7 +278,7 @@ class _Run:
         for _ in range(self.max_updates):
             dq = solver.step(error)
             if bounds is not None:
-                dq = bounds.limit(dq, q, q_last, tree.J, error, self._torso_rows(tree))
+                dq = bounds.limit(dq, q, q_last, tree.J, error, self.lower.rows(tree))
             q += dq
             tree.update(q)
             tree.error(x, R, error)
@@ -331,13 +314,13 @@ class _Run:
             # posture where the goal is out of reach: the message then says how far it is.
             dq = solver.step(error, error.dot(error))
             off = error.dot(error)
-            if self.torso is not None:
-                dq = self._add_torso(tree, solver, dq, self.torso[0])
+            if self.lower.targets is not None:
+                dq = self.lower.turn_torso(tree, solver, dq)
                 off = max(off, dq.dot(dq))
             if off < UPDATE_ABOVE**4:  # quadratic convergence: the last one is exact
                 break
             if bounds is not None:
-                dq = bounds.limit(dq, q, any_speed, tree.J, error, self._torso_rows(tree))
+                dq = bounds.limit(dq, q, any_speed, tree.J, error, self.lower.rows(tree))
             q += dq
         return q
 

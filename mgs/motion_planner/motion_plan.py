@@ -82,6 +82,7 @@ class WalkPlan(CommonPlan):
     zmp_travel: float = 0.0  # from heel to toe in each single support [m]
     hand_offsets: Array  # (2, 3) from the CoM, axes turned with the heading [m]; NaN: free
     arm_swing: float = 0.0  # forward motion of a hand as a part of that of the opposite foot
+    hands_held: bool = True  # whether the hands have a task
     torso: Array  # (4,) orientation at rest, robot facing along x, quaternion xyzw
     reach: LegReach | None = None  # bound of the CoM's height; None: the height is as asked
 

@@ -68,6 +68,7 @@ def plan_walk(robot: Robot, gait: WalkGait) -> WalkPlan:
         zmp_travel=walk.zmp_travel,
         hand_offsets=rest.hands - rest.com,
         arm_swing=walk.arm_swing,
+        hands_held=walk.hands == "held",
         torso=rest.torso,
         reach=leg_reach(robot) if boxes else None,
     )

@@ -85,9 +85,11 @@ def _sole_poses(planar: Array, height: Array) -> Array:
 def _hands(plan: WalkPlan, planar: Array, heading: Array) -> Array:
     """Hands (N, 2, 3) at constant offsets from the CoM that turn with the heading (N,) [m].
 
-    With arm swing each hand moves forward and back with the opposite foot.
+    With arm swing each hand moves forward and back with the opposite foot. NaN: hands are free.
     """
-    hands = np.empty((plan.n_samples, 2, 3))
+    hands = np.full((plan.n_samples, 2, 3), np.nan)
+    if not plan.hands_held:
+        return hands
     hands[..., 2] = plan.hand_offsets[:, 2]
     apart = planar[:, Side.LEFT, :2] - planar[:, Side.RIGHT, :2]
     ahead = rotate_planar(apart, -heading)[:, 0]  # way of the left foot past the right one

@@ -90,7 +90,7 @@ def test_every_key_is_described():
 # numbers that are counts, fractions, factors, or weights of sums without a unit
 WITHOUT_UNIT = {
     *("mgs", "n_steps", "repeat", "passes", "iterations", "tolerance", "feedback", "landing"),
-    *("arm_swing", "damping", "gamma", "weight_joint", "weight_limit"),
+    *("arm_swing", "damping", "gamma", "weight_joint", "weight_limit", "gamma_momentum"),
     *("samples", "seed", "soft"),
 }
 

@@ -28,6 +28,7 @@ VALID: dict[str, Any] = {
         "step_height": 0.02,
         "com_height": 0.28,
         "zmp_offset": [0.0, 0.0],
+        "hands": "free",
     },
     "com": {"generator": "preview", "preview": 1.6, "weight_error": 1.0, "weight_jerk": 1e-8},
     "ik": {
@@ -35,6 +36,7 @@ VALID: dict[str, Any] = {
         "gamma_joint": 0.35,
         "gamma_grav": 0.0,
         "gamma_grav_ramp": 0.2,
+        "gamma_momentum": 0.5,
         "double_support": "shared",
         "iterations": 3,
         "torso": "free",

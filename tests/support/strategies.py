@@ -123,6 +123,7 @@ def legal_gaits(draw: st.DrawFn, max_steps: int = 300, longest: float = 20.0) ->
             "gamma_joint": draw(numbers(0.0, 1e3)),
             "gamma_grav": draw(numbers(0.0, 1e3)),
             "gamma_grav_ramp": draw(numbers(1e-3, 10.0)),
+            "gamma_momentum": draw(numbers(0.0, 1.0)),
             "double_support": draw(st.sampled_from(["off", "shared", "optimal"])),
             "iterations": draw(st.none() | st.integers(0, 50)),
             "on_limit": draw(st.sampled_from(["hold", "refuse", "record"])),

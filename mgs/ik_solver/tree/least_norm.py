@@ -60,7 +60,11 @@ class LeastNorm:
             error: (l,) its error.
             damping: where B is smaller than this, in the unit of J, the lower task is left alone.
         """
-        J = self._rows[:-1]
-        B = J_low - self._factor.solve(J.dot(J_low.T)).T.dot(J)
+        B = self.project(J_low)
         A = B.dot(B.T) + damping**2 * np.eye(len(B))
         return np.asarray(step + np.linalg.solve(A, error - J_low.dot(step)).dot(B))
+
+    def project(self, rows: Array) -> Array:
+        """Rows (l, n) times I - J^+ J, with the Jacobian of the last step."""
+        J = self._rows[:-1]
+        return np.asarray(rows - self._factor.solve(J.dot(rows.T)).T.dot(J))

@@ -167,6 +167,15 @@ class TreeTasks:
         J = self._free(pin.getFrameJacobian(self.model, self.data, frame, WORLD_ALIGNED)[3:])
         return J, pin.log3(R_ref.dot(self.data.oMf[frame].rotation.T))
 
+    def yaw_momentum(self, q: Array) -> Array:
+        """Row (n,) that turns joint speeds into the angular momentum of the robot at q (n,).
+
+        About the vertical through the CoM [kg m^2]. The mass of the support sole is at rest.
+        """
+        momentum = pin.computeCentroidalMap(self.model, self.data, self._all(q))
+        x, y, _ = self._com_offset
+        return self._free(momentum[5] - x * momentum[1] + y * momentum[0])
+
     def swing_jacobian(self) -> Array:
         """Spatial Jacobian of the swing sole by all joints, in the world, at the last angles."""
         return self._J_world * self._on_chain
