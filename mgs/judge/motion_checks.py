@@ -232,7 +232,8 @@ def yaw_friction(motion: Motion, body: WholeBodyMotion) -> list[Check]:
     if not len(samples):
         return []
     value, limit = np.abs(needed[samples]), available[samples]
-    i = int(np.argmax(value / np.maximum(limit, np.finfo(float).tiny)))
+    ratio = np.divide(value, limit, out=np.full(len(samples), np.inf), where=limit > 0.0)
+    i = int(np.argmax(ratio))
     k = samples[i]
     where = f"{Support(motion.support[k]).label} support, friction {FRICTION:g}"
     worst, allowed = float(value[i]), float(limit[i])
