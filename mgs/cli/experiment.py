@@ -63,6 +63,10 @@ def experiment(
     pattern generation by using preview control of zero-moment point", ICRA, 2003. With --gait the
     generator of any gait is analysed by python-control instead.
 
+    crouch: squared torques and electric power against the knee angle, for standing, swaying and
+    walking and with the solvers ik1 to ik5 and clik, after figure 7 of the paper of Faraji and
+    Ijspeert.
+
     \b
     Examples:
       mgs experiment melson -o figures

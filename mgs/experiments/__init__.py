@@ -1,4 +1,4 @@
-"""Experiments of three papers and a study of the ZMP preview control, as runnable code.
+"""Experiments of three papers, and studies of the preview control and of crouched legs.
 
 Each experiment is a package: `solve` makes all runs, `all_claims` compares them with the claims,
 and `figures` draws them.
@@ -15,7 +15,7 @@ from mgs.experiments.claim import Claim
 
 __all__ = ["NAMES", "Claim", "package_of", "run"]
 
-NAMES = ("melson", "faraji", "mistry", "preview")
+NAMES = ("melson", "faraji", "mistry", "preview", "crouch")
 
 
 def package_of(name: str) -> Any:
