@@ -1,6 +1,6 @@
 """Crocoddyl's side of benchmarks/whole_body.py, for an interpreter that has Crocoddyl.
 
-    python benchmarks/crocoddyl_side.py PROBLEM.npz SOLUTION.npz
+    python benchmarks/crocoddyl_side.py PROBLEM.npz SOLUTION.npz [--verbose]
 
 C. Mastalli et al., "Crocoddyl: an efficient and versatile framework for multi-contact optimal
 control", ICRA 2020. The problem is that of mgs.search.whole_body: the same semi-implicit Euler
@@ -17,7 +17,7 @@ import crocoddyl
 import numpy as np
 import pinocchio as pin
 
-GAINS = np.array([0.0, 50.0])  # that keep soles in place
+GAINS = (0.25, 1.0)  # that keep soles in place, in 1 / h^2 and 1 / h; twice as much oscillates
 LEAST_DECREASE = 1e-10
 
 
@@ -54,6 +54,8 @@ def main() -> None:
     for before, q in zip(given["plan"][:-1], given["plan"][1:], strict=True):
         xs.append(np.concatenate([q, pin.difference(model, before, q) / given["h"]]))
     us = [k.quasiStatic(k.createData(), x) for k, x in zip(running, xs[:-1], strict=True)]
+    if "--verbose" in sys.argv:
+        solver.setCallbacks([crocoddyl.CallbackVerbose()])
     converged = solver.solve(xs, us, int(given["iterations"]), False, 1e-6)
     np.savez(
         sys.argv[2],
@@ -70,6 +72,7 @@ def action(given: Any, k: int, state: Any, actuation: Any, frames: list[int]) ->
     nu, penalty = actuation.nu, float(given["penalty"])
     contacts = crocoddyl.ContactModelMultiple(state, nu)
     costs = crocoddyl.CostModelSum(state, nu)
+    gains = np.array(GAINS) / float(given["h"]) ** np.array([2.0, 1.0])
 
     def add(name: str, weight: Any, residual: Any, activation: Any = None) -> None:
         parts = (residual,) if activation is None else (activation, residual)
@@ -77,13 +80,15 @@ def action(given: Any, k: int, state: Any, actuation: Any, frames: list[int]) ->
 
     for side in range(2):
         place = pin.XYZQUATToSE3(given["soles"][k, side])
-        if not given["bears"][k, side]:
+        bears = given["bears"][max(k - 1, 0) : k + 1, side]
+        if not bears.all():  # a sole that begins to bear has to be in its place by then
             add(f"place {side}", penalty,
                 crocoddyl.ResidualModelFramePlacement(state, frames[side], place, nu))  # fmt: skip
+        if not bears[-1]:
             continue
         contacts.addContact(
             f"sole {side}",
-            crocoddyl.ContactModel6D(state, frames[side], place, pin.LOCAL, nu, GAINS),
+            crocoddyl.ContactModel6D(state, frames[side], place, pin.LOCAL, nu, gains),
         )
         cone = crocoddyl.WrenchCone(
             np.eye(3), float(given["friction"]), given["boxes"][side], 4, False, 0.0, 1e6

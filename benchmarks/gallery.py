@@ -26,7 +26,8 @@ DOCS = Path(__file__).parent.parent / "docs"
 HEAD = """# Gallery
 
 This page shows all shipped gaits, as generated and judged by `make gallery`: by static checks, and
-by an open-loop replay in each physics engine with ideal and with modelled servos.
+by an open-loop replay in each physics engine with ideal servos, with those of the robot's model
+and with plain PD servos that sag 1 deg at stall torque.
 
 Abbreviations: CoM is the centre of mass, ZMP the zero-moment point.
 
@@ -67,7 +68,7 @@ def main() -> None:
 
 def header() -> str:
     """Header of the table."""
-    engines = " | ".join(f"{engine}, ideal / modelled" for engine in available_engines())
+    engines = " | ".join(f"{engine}, ideal / modelled / PD" for engine in available_engines())
     columns = (
         "gait | robot | duration | displacement | ZMP margin | speed | torque | static checks | "
         f"{engines}"
@@ -103,9 +104,11 @@ def entry(name: str) -> Entry:
     failed = [check.name for check in checks.values() if not check.ok]
     physics = []
     for engine in available_engines():
-        servos = SERVOS[:2] if is_modelled(motion.robot) else SERVOS[:1]
         fates = []
-        for servo in servos:
+        for servo in SERVOS:
+            if servo == "model" and not is_modelled(motion.robot):
+                fates.append("none")
+                continue
             result = replay(motion, engine, servo=servo)
             bad = [check.name.removeprefix(f"{engine}_") for check in replay_checks(result)
                    if not check.ok]  # fmt: skip

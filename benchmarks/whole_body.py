@@ -10,6 +10,7 @@ and a kick, at every fourth sample. Both results are put into the same sum of th
 from __future__ import annotations
 
 import argparse
+import os
 import subprocess
 import tempfile
 import time
@@ -30,7 +31,8 @@ from mgs.search.whole_body.solve import solve
 GAITS = ("melson/walk_practical", "melson/walk_arc", "melson/kick", "coman/walk", "coman/kick")
 PROBLEMS = (("melson", "melson/squat"), ("coman", "coman/sway"), ("melson", "melson/kick"))
 EVERY = 4  # samples of a motion make one of a problem of the referee
-PENALTY, ITERATIONS = 1e5, 300
+SCALE = 1e4  # of the objective for Crocoddyl, whose regularisation is absolute
+PENALTY, ITERATIONS = 1e3, 300
 
 
 def main() -> None:
@@ -43,7 +45,8 @@ def main() -> None:
     given = parser.parse_args()
     if given.referee is not None:
         referee_table(given.referee)
-    savings_table(given.gaits)
+    if given.gaits:
+        savings_table(given.gaits)
 
 
 def savings_table(gaits: list[str]) -> None:
@@ -122,13 +125,16 @@ def ask(python: Path, problem: Problem) -> tuple[Array, Array, float, str]:
             plan=problem.plan, soles=problem.soles, bears=problem.bears, torso=torsos,
             boxes=[[s.length - 2 * problem.margin, s.width - 2 * problem.margin] for s in specs],
             lower=robot.lower, upper=robot.upper, friction=problem.friction, h=problem.h,
-            weight=robot.mass * GRAVITY, weight_torque=problem.weight_torque,
-            weight_distance=problem.weights.distance, weight_upright=problem.weights.upright,
-            penalty=PENALTY, iterations=ITERATIONS,
+            weight=robot.mass * GRAVITY, weight_torque=SCALE * problem.weight_torque,
+            weight_distance=SCALE * problem.weights.distance,
+            weight_upright=SCALE * problem.weights.upright,
+            penalty=SCALE * PENALTY, iterations=ITERATIONS,
         )  # fmt: skip
         side = Path(__file__).with_name("crocoddyl_side.py")
         start = time.perf_counter()
-        subprocess.run([python, side, asked, told], check=True)
+        subprocess.run(
+            [python, side, asked, told], check=True, env=os.environ | {"OMP_NUM_THREADS": "1"}
+        )
         seconds = time.perf_counter() - start
         found = np.load(told)
         q, torque = found["q"], found["torque"]
