@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -18,7 +19,9 @@ FENCE = re.compile(r"^```(\w+)([^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 TITLE = re.compile(r'title="([^"]+)"')
 ATTACHED = re.compile(r"\]\(([\w-]+\.(?:urdf|yaml|csv))\)")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+COMPUTING_TIME = re.compile(r"^ *time .* ms$|computing time [\d.]+ s")
 LEFT_OUT = "..."
+SHELLS = (None, "", "console", "sh", "bash")  # None: an indented block
 RELATIVE = 0.05  # by which a printed figure may differ: other machines, other versions of libraries
 TIMEOUT = 300  # [s]
 
@@ -67,6 +70,27 @@ def _console(body: str) -> list[Step]:
     return [step for step in steps if step.command != "echo $?"]
 
 
+def shell_blocks(text: str) -> Iterator[list[str]]:
+    """Lines of the blocks of a page that may hold shell commands, with continued lines joined.
+
+    These are fenced blocks without a language or with that of a shell, and indented blocks.
+    """
+    fence: str | None = None
+    block: list[str] = []
+    for line in [*text.splitlines(), ""]:
+        opens = line.startswith("```")
+        if fence is None and not opens and line.startswith("    ") and line.strip():
+            block.append(line[4:])
+        elif fence is not None and not opens:
+            block.append(line)
+        else:
+            if block and fence in SHELLS:
+                yield "\n".join(block).replace("\\\n", " ").splitlines()
+            block = []
+            if opens:
+                fence = None if fence is not None else line[3:].partition(" ")[0]
+
+
 def follow(page: Path, folder: Path) -> list[Step]:
     """Do what a page says, in a folder that has the files to which it links; returns the steps."""
     for name in ATTACHED.findall(page.read_text(encoding="utf-8")):
@@ -78,7 +102,7 @@ def follow(page: Path, folder: Path) -> list[Step]:
             continue
         done = subprocess.run(
             ["bash", "-c", step.command],
-            cwd=folder, env=_environment(folder.parent), capture_output=True, text=True,
+            cwd=folder, env=environment(folder.parent), capture_output=True, text=True,
             timeout=TIMEOUT, check=False,
         )  # fmt: skip
         told = f"{page.name}: {step.command}\n{done.stdout}{done.stderr}"
@@ -90,7 +114,7 @@ def follow(page: Path, folder: Path) -> list[Step]:
     return steps
 
 
-def _environment(folder: Path) -> dict[str, str]:
+def environment(folder: Path) -> dict[str, str]:
     """The environment with the programs `mgs` and `python` of this interpreter on the path."""
     programs = folder / "programs"
     programs.mkdir(exist_ok=True)
@@ -126,6 +150,7 @@ def agrees(expected: str, printed: str) -> bool:
         expected = expected[: -len(LEFT_OUT)]
         words = len(expected.split())
         printed = " ".join(printed.split()[:words])
+    expected, printed = (COMPUTING_TIME.sub("time", text) for text in (expected, printed))
     parts = [" ".join(NUMBER.sub("0", text).split()) for text in (expected, printed)]
     if parts[0] != parts[1]:
         return False

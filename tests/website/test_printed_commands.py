@@ -12,20 +12,18 @@ import click
 import pytest
 
 from mgs.cli import main
-from tests.support.page_commands import ROOT
+from tests.support.page_commands import ROOT, shell_blocks
 from tests.test_plain_english import COMMANDS
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
-BLOCK = re.compile(r"^```(?:console|sh|bash)?\n(.*?)^```$|((?:^    \S.*\n)+)", re.DOTALL | re.M)
 INLINE = re.compile(r"`(mgs [a-z][^`]*)`", re.DOTALL)
 COMMAND = re.compile(r"^(?:\$ )?(mgs [a-z].*)$", re.MULTILINE)
 
 
 def printed(text: str) -> Iterator[str]:
     """Commands in blocks and in inline code, each on one line, without what a shell adds."""
-    text = text.replace("\\\n", " ")
-    for block in BLOCK.findall(text):
-        yield from COMMAND.findall("".join(block).replace("\n    ", "\n").lstrip())
+    for block in shell_blocks(text):
+        yield from COMMAND.findall("\n".join(block))
     for code in INLINE.findall(re.sub(r"^```.*?^```$", "", text, flags=re.DOTALL | re.M)):
         yield " ".join(code.split())
 
