@@ -129,8 +129,8 @@ def refine(
     if motion.provenance.optimised is not None:
         raise ConfigError(
             motion.gait_name,
-            "mgs optimize changed this motion, and a refinement, which solves the inverse kinematics "
-            "anew, would undo that; refine first, and optimize the result",
+            "mgs optimize changed this motion, and a refinement, which solves the inverse "
+            "kinematics anew, would undo that; refine first, and optimize the result",
         )
     stages = run_stages(motion.robot, motion.gait, motion.gait_name)
     com = _shifted(stages.com, motion.com_ref - stages.com.position, motion.dt)
