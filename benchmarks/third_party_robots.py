@@ -64,7 +64,6 @@ ROBOTS = {  # in the order of packages: example-robot-data, icub-models, fourier
     "Bolt": f"{DATA}/bolt_description/robots/bolt.urdf",
     "Cassie": f"{DATA}/cassie_description/robots/cassie_v2.sdf",
 }
-DRAWS = 20  # random replays of each kind of servos
 COLUMNS = ("joints", "mass", "sole", "walk", "PyBullet", "MuJoCo", "lab", "verdict")
 COMMAND = [sys.executable, "-c", "from mgs.cli import main; main()"]
 
@@ -79,6 +78,7 @@ def main() -> None:
         type=Path,
         help="folder for robot folders and motions; default: a temporary one",
     )
+    parser.add_argument("--draws", type=int, default=20, help="random replays; 0: none")
     parser.add_argument("--resume", action="store_true", help="keep the rows of an earlier run")
     parser.add_argument("--path", type=Path, action="append", default=[], help="folder of packages")
     arguments = parser.parse_args()
@@ -87,19 +87,19 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as scratch:
         output = arguments.output or Path(scratch)
         for name in arguments.names or ROBOTS:
-            print(f"| {name} | {' | '.join(row(name, folders, output, arguments.resume))} |")
-            sys.stdout.flush()
+            cells = row(name, folders, output, arguments)
+            print(f"| {name} | {' | '.join(cells)} |", flush=True)
 
 
-def row(name: str, folders: list[Path], output: Path, resume: bool) -> list[str]:
+def row(name: str, folders: list[Path], output: Path, arguments: argparse.Namespace) -> list[str]:
     """Table cells of a robot, from an earlier run or a new one."""
     kept = output / "rows" / f"{name}.json"
-    if resume and kept.is_file():
+    if arguments.resume and kept.is_file():
         return list(json.loads(kept.read_text()))
     source = find(ROBOTS[name], folders)
     if source is None:
         return [*[""] * (len(COLUMNS) - 1), "not installed"]
-    cells = walked(source, output / name)
+    cells = walked(source, output / name, arguments.draws)
     kept.parent.mkdir(parents=True, exist_ok=True)
     kept.write_text(json.dumps(cells))
     return cells
@@ -114,7 +114,7 @@ def find(path: str, folders: list[Path]) -> Path | None:
     return None
 
 
-def walked(urdf: Path, folder: Path) -> list[str]:
+def walked(urdf: Path, folder: Path, draws: int) -> list[str]:
     """Table cells of one robot: joints, mass, sole, walk, engines, verdict."""
     code, text = run("robot", "init", str(urdf), "-o", str(folder), "--force", "--json")
     if code:
@@ -130,10 +130,10 @@ def walked(urdf: Path, folder: Path) -> list[str]:
     code, text = run("generate", "walk", "--robot", str(folder), "-o", str(motion), "--force")
     if code:
         return [*cells, "", "", "", "", f"{told}not generated: {reason(text, urdf)}"]
-    return [*cells, *validated(motion, told)]
+    return [*cells, *validated(motion, told, draws)]
 
 
-def validated(motion: Path, told: str) -> list[str]:
+def validated(motion: Path, told: str, draws: int) -> list[str]:
     """Table cells of a motion: walk, engines, random replays, verdict."""
     _, text = run("validate", str(motion), "--json")
     if not text.startswith("{"):
@@ -150,14 +150,15 @@ def validated(motion: Path, told: str) -> list[str]:
     ]
     end = "passes" if not failed else f"fails: {'; '.join(failed)}"
     engines = [" / ".join(fates.get(engine, [])) for engine in ("pybullet", "mujoco")]
-    drawn = " / ".join(survivals(motion, servo) for servo in ("ideal", "pd"))
+    kinds = ("ideal", "pd") if draws else ()
+    drawn = " / ".join(survivals(motion, servo, draws) for servo in kinds)
     return [f"{planned:.2f} m", *engines, drawn, f"{told}{end}"]
 
 
-def survivals(motion: Path, servo: str) -> str:
+def survivals(motion: Path, servo: str, draws: int) -> str:
     """Number of random replays in which the robot stays up."""
     options = ["--physics", "mujoco", "--servo", servo, "--ranges", "lab"]
-    _, text = run("validate", str(motion), "--json", "--monte-carlo", str(DRAWS), *options)
+    _, text = run("validate", str(motion), "--json", "--monte-carlo", str(draws), *options)
     return f"{json.loads(text)['monte_carlo']['survived']}" if text.startswith("{") else "none"
 
 
