@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mgs.robot.init.sole import find_sole
+from mgs.robot.init.posture import stance_width
+from mgs.robot.init.sole import Sole, find_sole
 
 angle = st.floats(-np.pi, np.pi)
 
@@ -33,3 +34,16 @@ def test_a_box_stands_on_its_lower_face(
     error = (T_base_body * sole.placement).actInv(expected)
     assert np.linalg.norm(error.translation) < 1e-6
     assert np.linalg.norm(pin.log3(error.rotation)) < 1e-6
+
+
+def test_soles_that_overlap_at_rest_stand_apart():
+    """Soles 0.16 m wide, 0.14 m apart at rest; others stand as at rest or narrower."""
+
+    def width_of_stance(width: float, apart: float) -> float:
+        sole = Sole(pin.SE3.Identity(), 0.06, width)
+        rest = [pin.SE3(np.eye(3), np.array([0.0, y, 0.0])) for y in (0.5 * apart, -0.5 * apart)]
+        return stance_width(rest, (sole, sole), 0.6)
+
+    assert width_of_stance(0.16, 0.14) == pytest.approx(1.3 * 0.16)
+    assert width_of_stance(0.13, 0.14) == pytest.approx(0.14)
+    assert width_of_stance(0.08, 0.40) == pytest.approx(0.35 * 0.6)
