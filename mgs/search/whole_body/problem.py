@@ -116,13 +116,17 @@ class Problem:
     @functools.cached_property
     def cones(self) -> tuple[Array, Array]:
         """Rows U (16, 6) with U w <= 0 for wrenches w in the frame of the left and right sole."""
-        left, right = (self._cone(side) for side in Side)
-        return left, right
+        return self._cone(Side.LEFT, self.margin), self._cone(Side.RIGHT, self.margin)
 
-    def _cone(self, side: Side) -> Array:
+    @functools.cached_property
+    def whole_cones(self) -> tuple[Array, Array]:
+        """The cones of the whole soles, without the margin."""
+        return self._cone(Side.LEFT, 0.0), self._cone(Side.RIGHT, 0.0)
+
+    def _cone(self, side: Side, margin: float) -> Array:
         spec = self.robot.sole_spec(side)
         x, y = (
-            np.array([max(0.5 * size - self.margin, 0.5 * LEAST_RECTANGLE * size)])
+            np.array([max(0.5 * size - margin, 0.5 * LEAST_RECTANGLE * size)])
             for size in (spec.length, spec.width)
         )
         return cone_of_rectangle(x, y, self.friction)[0]

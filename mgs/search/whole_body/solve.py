@@ -95,7 +95,7 @@ def _excesses(problem: Problem, point: Point) -> dict[str, Array]:
     inside, near = problem.angles, problem.clearance.along(point.q, with_rows=False)
     q, v = point.q[:, FLOATING_BASE_NQ:], point.v[1:-1, JOINTS]
     excess = {
-        "wrench": _out_of_cone(problem, point),
+        "wrench": _out_of_cone(problem, point, problem.cones),
         "range": np.maximum(inside[0] - q, q - inside[1]),
         "speed": (np.abs(v) - problem.speed_limit) / robot.speed_limit,
         "torque": torque_use(robot, point) / RESERVE - 1.0,
@@ -110,7 +110,7 @@ def violations(problem: Problem, point: Point) -> Violations:
     q, v = point.q[:, FLOATING_BASE_NQ:], point.v[1:-1, JOINTS]
     near = problem.clearance.along(point.q, with_rows=False)
     excess = {
-        "wrench": _out_of_cone(problem, point),
+        "wrench": _out_of_cone(problem, point, problem.whole_cones),
         "range": np.maximum(robot.lower - q, q - robot.upper),
         "speed": np.abs(v) / robot.speed_limit - 1.0,
         "torque": torque_use(robot, point) - 1.0,
@@ -127,10 +127,10 @@ def torque_use(robot: Robot, point: Point) -> Array:
     return np.where(point.torque * speed > 0.0, driven, braked)
 
 
-def _out_of_cone(problem: Problem, point: Point) -> Array:
+def _out_of_cone(problem: Problem, point: Point, cones: tuple[Array, Array]) -> Array:
     """Rows (2, T, 16) of the wrench cones, in parts of the weight; positive outside."""
     weight = problem.robot.mass * GRAVITY
-    rows = [point.w[:, side] @ problem.cones[side].T / weight for side in Side]
+    rows = [point.w[:, side] @ cones[side].T / weight for side in Side]
     return np.stack(rows)
 
 
