@@ -3,9 +3,8 @@
 Walks of robots of different size are alike if lengths are proportional to the leg length L and
 durations to sqrt(L / g): their Froude numbers v^2 / (g L) are equal (R. McN. Alexander, "The gaits
 of bipedal and quadrupedal animals", Int. J. Robotics Research 3(2), 1984). The factors below give a
-slow walk with a Froude number of 0.0002. On servos that give way, the pelvis sinks where the swing
-foot leaves the ground, and the robot sways on one leg. Steps that are quicker come in time with its
-swaying and grow it until the robot falls; docs/robots.md shows of which servos that was seen.
+slow walk with a Froude number of 0.0002. On servos that give way a robot sways on one leg; with the
+times of single support that were tried, longer ones let more robots stay up (docs/robots.md).
 """
 
 from __future__ import annotations

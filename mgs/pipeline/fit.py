@@ -32,7 +32,7 @@ LENGTHS = ("step_length", "lateral", "step_yaw")
 FACTORS = (  # on the derived sizes, in the order of their trial
     (("step_width",), (0.9, 0.8, 1.1)),
     (("com_height",), (1.02, 0.98, 0.96)),
-    (RESTS, (1.5, 2.0, 3.0)),
+    (RESTS, (1.5, 2.0)),
     (TIMES, (1.25,)),  # longer ones only: quick steps come in time with a robot's swaying
     (LENGTHS, (0.75, 0.5)),
 )
