@@ -21,7 +21,8 @@ from tests.test_plain_english import COMMANDS
 from tests.website.test_printed_commands import INLINE, PAGES, words_of
 
 FOLLOWED = ("how-to", "tutorials")  # folders of pages that test_commands.py follows word by word
-JUDGES = ("validate", "audit", "repair", "robot check", "batch run")  # 1: the motion does not hold
+# 1: the motion does not hold, or nothing better was found
+JUDGES = ("validate", "audit", "repair", "robot check", "batch run", "tune", "refine")
 SHORTER = {  # what is run in place of hours of search and of other computers
     "--minutes 30 --workers 2": "--trials 1 --physics mujoco --draws 2 --final-draws 2 --workers 2",
     "--minutes 30": "--trials 1 --physics mujoco --draws 2 --final-draws 2",
@@ -31,6 +32,7 @@ SHORTER = {  # what is run in place of hours of search and of other computers
     "--robot my_robot": "--robot robots/mine",
     "~/ros/src": "robots",
     "--monte-carlo 200": "--monte-carlo 8",
+    "--servo-sweep": "--servo-sweep --physics mujoco",
 }
 ELSEWHERE = {  # run by other tests, with what they need
     "--dask tcp://": "tests/library runs a batch on a cluster",
@@ -67,7 +69,7 @@ def in_sentences(text: str) -> Iterator[str]:
 def complete(line: str) -> bool:
     """True if a command has all arguments that it needs."""
     words = words_of(line)[1:]
-    context, command = click.Context(main, info_name="mgs"), main
+    context, command = click.Context(main, info_name="mgs", **main.context_settings), main
     while isinstance(command, click.Group):
         if not words:
             return False
@@ -89,7 +91,7 @@ def work_through(commands: list[tuple[str, list[str] | None]], folder: GuideFold
             continue
         command = line
         for long, short in SHORTER.items():
-            if long in command and "--trials" not in command:
+            if long in command and short not in command and "--trials" not in command:
                 command = command.replace(long, short)
         done = folder.run(command)
         if "exists; use --force" in done.stderr:  # the page shows alternatives

@@ -40,7 +40,7 @@ def words_of(line: str) -> list[str]:
 def problem(line: str) -> str | None:
     """What mgs would say of the words of a command; None if it understands them."""
     words = words_of(line)[1:]
-    context, command = click.Context(main, info_name="mgs"), main
+    context, command = click.Context(main, info_name="mgs", **main.context_settings), main
     try:
         while isinstance(command, click.Group) and words:
             name, found, words = command.resolve_command(context, words)

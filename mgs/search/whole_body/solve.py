@@ -42,7 +42,7 @@ class Violations:
 
     @property
     def worst(self) -> float:
-        """The largest."""
+        """The largest of these violations."""
         return max(dataclasses.astuple(self))
 
 

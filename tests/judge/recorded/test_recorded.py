@@ -139,7 +139,7 @@ def test_angles_in_degrees_are_refused(tmp_path: Path):
     table = np.column_stack([motion.times, np.rad2deg(motion.q[:, 7:])])
     np.savetxt(path, table, delimiter=",", header=head, comments="")
     for layout in (None, "joint-table"):
-        with pytest.raises(ConfigError, match=r"beyond its range .* degrees, multiply"):
+        with pytest.raises(ConfigError, match=r"beyond its range .* degrees, add --degrees"):
             read_placed(path, motion.robot, layout, Choices())
     table = np.column_stack([motion.times, motion.q[:, 7:]])
     table[7, 4] = 50.0
