@@ -9,6 +9,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -19,6 +21,7 @@ def run_fuzz(n: int, folder: Path) -> None:
     assert result.returncode == 0, result.stdout + result.stderr
 
 
-def test_random_inputs_get_messages(tmp_path: Path) -> None:
-    """About a minute; always the same inputs."""
-    run_fuzz(600, tmp_path)
+@pytest.mark.parametrize("n", [200, pytest.param(600, marks=pytest.mark.slow)])
+def test_random_inputs_get_messages(n: int, tmp_path: Path) -> None:
+    """Always the same inputs, some of each format."""
+    run_fuzz(n, tmp_path)

@@ -35,12 +35,12 @@ def nao(tmp_path_factory: pytest.TempPathFactory) -> Robot:
 
 @pytest.fixture(scope="module")
 def walk(nao: Robot) -> Motion:
-    return mgs.generate(nao, "walk")
+    return mgs.generate(nao, "walk", walk__n_steps=4)
 
 
 @pytest.fixture(scope="module")
 def turn(nao: Robot) -> Motion:
-    return mgs.generate(nao, "walk", walk__step_yaw=0.2, walk__step_length=0.0)
+    return mgs.generate(nao, "walk", walk__n_steps=4, walk__step_yaw=0.2, walk__step_length=0.0)
 
 
 @pytest.fixture(scope="module")
