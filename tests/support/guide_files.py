@@ -16,7 +16,7 @@ from pathlib import Path
 from mgs.robot import load_robot
 from tests.support.bus_robots import motors_of_melson
 from tests.support.dynamixel_bus import Setting, simulated_bus
-from tests.support.mjcf_biped import mjcf
+from tests.support.mjcf_biped import CUBE, mjcf
 from tests.support.page_commands import ROOT, environment
 
 ONE_UNIT = """mgs: 1
@@ -87,6 +87,7 @@ class GuideFolder:
             "number_7.yaml": ONE_UNIT,
             "speeds.yaml": SPEEDS,
             "some.xml": mjcf(),
+            "foot.obj": CUBE,
         }
         for name, text in texts.items():
             (self.path / name).write_text(text, encoding="utf-8")

@@ -30,7 +30,7 @@ SHORTER = {  # what is run in place of hours of search and of other computers
     "--objective energy --free": "--trials 1 --draws 2 --final-draws 2 --objective energy --free",
     "--objective speed --pin": "--trials 1 --draws 2 --final-draws 2 --objective speed --pin",
     "--robot my_robot": "--robot robots/mine",
-    "~/ros/src": "robots",
+    "~/ros/src": "./robots",
     "--monte-carlo 200": "--monte-carlo 8",
     "--servo-sweep": "--servo-sweep --physics mujoco",
 }
@@ -91,7 +91,7 @@ def work_through(commands: list[tuple[str, list[str] | None]], folder: GuideFold
             continue
         command = line
         for long, short in SHORTER.items():
-            if long in command and short not in command and "--trials" not in command:
+            if long in command and short not in command:
                 command = command.replace(long, short)
         done = folder.run(command)
         if "exists; use --force" in done.stderr:  # the page shows alternatives
