@@ -22,7 +22,7 @@ from tests.website.test_printed_commands import INLINE, PAGES, words_of
 
 FOLLOWED = ("how-to", "tutorials")  # folders of pages that test_commands.py follows word by word
 # 1: the motion does not hold, or nothing better was found
-JUDGES = ("validate", "audit", "repair", "robot check", "batch run", "tune", "refine")
+JUDGES = ("validate", "audit", "repair", "robot check", "batch run", "tune", "refine", "replay")
 SHORTER = {  # what is run in place of hours of search and of other computers
     "--minutes 30 --workers 2": "--trials 1 --physics mujoco --draws 2 --final-draws 2 --workers 2",
     "--minutes 30": "--trials 1 --physics mujoco --draws 2 --final-draws 2",
