@@ -32,18 +32,20 @@ class Clearances:
     rows: Array  # (m, 6 + n) derivatives of the distances; empty if they were not asked for
 
 
+def distances(robot: Robot, data: pin.Data, found: pin.GeometryData, q: Array) -> Array:
+    """Distance of each pair of links in a configuration q (7 + n,) [m]; `found` has the details."""
+    pin.updateGeometryPlacements(robot.model, data, robot.geometry, found, q)
+    pin.computeDistances(robot.geometry, found)
+    return np.array([result.min_distance for result in found.distanceResults])
+
+
 class Clearance:
     """The distances that the links of a robot have to keep."""
 
     def __init__(self, robot: Robot, plan: Array, leg: float) -> None:
         self.robot, self.near = robot, NEAR * leg
         data, found = robot.model.createData(), robot.geometry.createData()
-        planned = np.full(len(robot.geometry.collisionPairs), np.inf)
-        for q in plan[::STEP]:
-            pin.updateGeometryPlacements(robot.model, data, robot.geometry, found, q)
-            pin.computeDistances(robot.geometry, found)
-            now = np.array([result.min_distance for result in found.distanceResults])
-            planned = np.minimum(planned, now)
+        planned = np.min([distances(robot, data, found, q) for q in plan[::STEP]], axis=0)
         # links that touch in the plan are not kept apart
         self.least = np.where(planned > 0.0, np.minimum(CLEAR, KEPT * planned), -np.inf)
 
@@ -51,11 +53,9 @@ class Clearance:
         """The pairs of links that are near each other at every STEP-th sample of q (T, 7 + n)."""
         robot, geometry = self.robot, self.robot.geometry
         data, found = robot.model.createData(), geometry.createData()
-        samples, pairs, distances, rows = [], [], [], []
+        samples, pairs, apart, rows = [], [], [], []
         for k in range(0, len(q), STEP):
-            pin.updateGeometryPlacements(robot.model, data, geometry, found, q[k])
-            pin.computeDistances(geometry, found)
-            now = np.array([result.min_distance for result in found.distanceResults])
+            now = distances(robot, data, found, q[k])
             near = np.flatnonzero((now < self.near) & np.isfinite(self.least))
             if len(near) and with_rows:
                 pin.computeJointJacobians(robot.model, data, q[k])
@@ -63,10 +63,10 @@ class Clearance:
                 rows += [self._row(data, all_pairs[int(i)], results[int(i)]) for i in near]
             samples.append(np.full(len(near), k))
             pairs.append(near)
-            distances.append(now[near])
+            apart.append(now[near])
         chosen = np.concatenate(pairs)
         return Clearances(
-            np.concatenate(samples), np.concatenate(distances), self.least[chosen],
+            np.concatenate(samples), np.concatenate(apart), self.least[chosen],
             np.array(rows).reshape(-1, robot.model.nv),
         )  # fmt: skip
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mgs.core.arrays import Array
 from mgs.core.errors import ConfigError
 from mgs.core.progress import Progress
 from mgs.core.short_repr import short_repr
@@ -159,7 +158,7 @@ def _motion_of(motion: Motion, problem: Problem, solution: Solution) -> Motion:
         com=body.com,
         com_ref=body.com,
         zmp=body.zmp,
-        zmp_ref=_inside(body.zmp, motion),
+        zmp_ref=body.zmp,
         soles=body.soles,
         hands=body.hands,
         hands_ref=body.hands[..., :3],
@@ -167,10 +166,3 @@ def _motion_of(motion: Motion, problem: Problem, solution: Solution) -> Motion:
         torso_ref=body.torso[:, 3:],
         provenance=dataclasses.replace(motion.provenance, optimised=made),
     )
-
-
-def _inside(zmp: Array, motion: Motion) -> Array:
-    """The ZMP as a plan; at the ends, where the robot rests, that of the plan before."""
-    planned = zmp.copy()
-    planned[[0, -1]] = motion.zmp_ref[[0, -1]]
-    return planned
