@@ -65,7 +65,8 @@ def _weight(name: str, default: float, text: str) -> Callable[[Decorated], Decor
 )  # fmt: skip
 @click.option(
     "--iterations", type=click.IntRange(1, 1000), default=15, show_default=True,
-    help="Largest number of quadratic programs to solve.",
+    help="Largest number of quadratic programs to solve, apart from 5 at most that follow if a "
+    "limit is violated.",
 )  # fmt: skip
 @force_option
 @json_option

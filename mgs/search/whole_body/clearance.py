@@ -7,6 +7,7 @@ u . (velocity of the second point - velocity of the first).
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,10 +27,39 @@ CLEAR = 0.005  # [m]
 class Clearances:
     """Pairs of links that are near each other, one at one sample in each row."""
 
+    robot: Robot
+    q: Array  # (T, 7 + n)
     samples: NDArray[np.intp]  # (m,)
+    pairs: NDArray[np.intp]  # (m,) of the robot's geometry
     distance: Array  # (m,) [m], negative if they overlap
     least: Array  # (m,) distances that they have to keep [m]
-    rows: Array  # (m, 6 + n) derivatives of the distances; empty if they were not asked for
+    nearest: Array  # (m, 2, 3) points of both links [m]
+    normal: Array  # (m, 3) unit vectors from the first link to the second
+
+    @functools.cached_property
+    def rows(self) -> Array:
+        """Derivatives (m, 6 + n) of the distances."""
+        model, data, geometry = self.robot.model, self.robot.model.createData(), self.robot.geometry
+        joints = np.array([
+            [geometry.geometryObjects[i].parentJoint for i in (pair.first, pair.second)]
+            for pair in geometry.collisionPairs
+        ])[self.pairs]  # fmt: skip
+        J = np.empty((len(self.samples), 2, 6, model.nv))
+        centres = np.empty((len(self.samples), 2, 3))
+        last = -1
+        for row, (k, both) in enumerate(zip(self.samples, joints.tolist(), strict=True)):
+            if k != last:
+                pin.computeJointJacobians(model, data, self.q[k])
+                last = k
+            for side, joint in enumerate(both):
+                J[row, side] = pin.getJointJacobian(model, data, joint, pin.LOCAL_WORLD_ALIGNED)
+                centres[row, side] = data.oMi[joint].translation
+        lever = np.cross(self.nearest - centres, self.normal[:, None])
+        by_move = np.concatenate(
+            [np.broadcast_to(self.normal[:, None], lever.shape), lever], axis=2
+        )
+        by_link = (by_move[:, :, None] @ J)[:, :, 0]
+        return np.asarray(by_link[:, 1] - by_link[:, 0])
 
 
 def distances(robot: Robot, data: pin.Data, found: pin.GeometryData, q: Array) -> Array:
@@ -49,35 +79,25 @@ class Clearance:
         # links that touch in the plan are not kept apart
         self.least = np.where(planned > 0.0, np.minimum(CLEAR, KEPT * planned), -np.inf)
 
-    def along(self, q: Array, with_rows: bool = True) -> Clearances:
+    def along(self, q: Array) -> Clearances:
         """The pairs of links that are near each other at every STEP-th sample of q (T, 7 + n)."""
-        robot, geometry = self.robot, self.robot.geometry
-        data, found = robot.model.createData(), geometry.createData()
-        samples, pairs, apart, rows = [], [], [], []
+        robot = self.robot
+        data, found = robot.model.createData(), robot.geometry.createData()
+        samples, pairs, apart, points, normals = [], [], [], [], []
         for k in range(0, len(q), STEP):
             now = distances(robot, data, found, q[k])
             near = np.flatnonzero((now < self.near) & np.isfinite(self.least))
-            if len(near) and with_rows:
-                pin.computeJointJacobians(robot.model, data, q[k])
-                results, all_pairs = found.distanceResults, geometry.collisionPairs
-                rows += [self._row(data, all_pairs[int(i)], results[int(i)]) for i in near]
+            results = found.distanceResults
+            for i in near:
+                result = results[int(i)]
+                ends = result.getNearestPoint1(), result.getNearestPoint2()
+                points.append(np.array(ends))  # a copy: the next configuration overwrites them
+                normals.append(np.array(result.normal))
             samples.append(np.full(len(near), k))
             pairs.append(near)
             apart.append(now[near])
         chosen = np.concatenate(pairs)
         return Clearances(
-            np.concatenate(samples), np.concatenate(apart), self.least[chosen],
-            np.array(rows).reshape(-1, robot.model.nv),
+            robot, q, np.concatenate(samples), chosen, np.concatenate(apart), self.least[chosen],
+            np.array(points).reshape(-1, 2, 3), np.array(normals).reshape(-1, 3),
         )  # fmt: skip
-
-    def _row(self, data: pin.Data, pair: pin.CollisionPair, result: object) -> Array:
-        robot = self.robot
-        points = (result.getNearestPoint1(), result.getNearestPoint2())  # type: ignore[attr-defined]
-        u = result.normal  # type: ignore[attr-defined]
-        row = np.zeros(robot.model.nv)
-        for sign, number, point in ((-1.0, pair.first, points[0]), (1.0, pair.second, points[1])):
-            joint = robot.geometry.geometryObjects[number].parentJoint
-            J = pin.getJointJacobian(robot.model, data, joint, pin.LOCAL_WORLD_ALIGNED)
-            arm = point - data.oMi[joint].translation
-            row += sign * (u @ J[:3] + np.cross(arm, u) @ J[3:])
-        return row

@@ -1,34 +1,37 @@
 """The quadratic program of one step: the problem made linear about a motion.
 
-Unknowns of a sample are the change of its configuration (6 + n), the wrenches of both soles (12),
-the torques (n) and, if work has a weight, the positive powers (n). The curvature of the objective
-is that of Gauss and Newton. Solved by PIQP
+Soles in place and whole-body dynamics rid the program of most unknowns, see
+`mgs.search.whole_body.unknowns`. What is left of a sample are the moves y (ny), in double support
+the forces s (6) by which the soles press against each other, and, if work has a weight, the
+positive powers (n). The curvature of the objective is that of Gauss and Newton. Solved by PIQP
 (R. Schwan et al., "PIQP: a proximal interior-point quadratic programming solver", IEEE CDC, 2023),
-whose factorisation of the sparse matrix takes time in proportion to the number of samples.
+whose multistage back end finds the blocks of neighbouring samples and factorises them as dense
+matrices, in time in proportion to the number of samples.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import functools
+from dataclasses import dataclass
 
 import numpy as np
 import piqp
-import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV, GRAVITY
 from mgs.core.contact import Side
+from mgs.search.whole_body.clearance import Clearances
 from mgs.search.whole_body.dynamics import JOINTS, Point, Slopes
+from mgs.search.whole_body.entries import Entries, Places, columns_of
 from mgs.search.whole_body.problem import RESERVE, Problem
+from mgs.search.whole_body.unknowns import N_PRESS, Affine, unknowns_of
 
-N_CONE = 16
 NEAR_LINE = 0.5  # use of the speed-torque line from which it is part of the program
-EPS = 1e-6
+EPS = 1e-5  # of the conditions of the optimum, in the units of the program
+GAP = 1e-4  # relative gap between the program and its dual
 MOST_ITERATIONS = 80
-Places = NDArray[np.intp]  # of rows and columns
 LEAST_CURVATURE = 1e-6  # of coordinates that are in no term
-WRENCH_CURVATURE = 1e-7  # times 1 / (m g)^2, so that wrenches are unique
+PRESS_CURVATURE = 1e-7  # so that wrenches are unique
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,107 +40,93 @@ class Step:
 
     dq: Array  # (T, 6 + n)
     w: Array  # (T, 2, 6)
-    solved: bool
-
-
-@dataclass(eq=False)
-class _Entries:
-    """Entries of a sparse matrix, block by block."""
-
-    n_rows: int = 0
-    rows: list[Places] = field(default_factory=list)
-    columns: list[Places] = field(default_factory=list)
-    values: list[Array] = field(default_factory=list)
-
-    def add(self, rows: Places, columns: Places, values: Array) -> None:
-        self.rows.append(np.broadcast_to(rows, values.shape).ravel())
-        self.columns.append(np.broadcast_to(columns, values.shape).ravel())
-        self.values.append(values.ravel())
-
-    def blocks(self, rows: Places, columns: Places, values: Array) -> None:
-        """Blocks (m, r, c) whose upper left corners are at rows (m,) and columns (m,)."""
-        r, c = values.shape[1:]
-        self.add(
-            rows[:, None, None] + np.arange(r)[None, :, None],
-            columns[:, None, None] + np.arange(c),
-            values,
-        )
-
-    def new_rows(self, count: int, each: int) -> Places:
-        """First rows (count,) of blocks of new rows."""
-        rows = self.n_rows + each * np.arange(count)
-        self.n_rows += each * count
-        return rows
-
-    def matrix(self, n_columns: int) -> sp.csc_matrix:
-        values = np.concatenate(self.values)
-        rows, columns = np.concatenate(self.rows), np.concatenate(self.columns)
-        return sp.csc_matrix((values, (rows, columns)), shape=(self.n_rows, n_columns))
 
 
 class Program:
     """The program of a step of at most `trust` in every joint and coordinate of the base."""
 
-    def __init__(self, problem: Problem, point: Point, slopes: Slopes, trust: float) -> None:
-        self.problem, self.point, self.slopes, self.trust = problem, point, slopes, trust
-        self.n, self.nv = problem.robot.n, problem.nv
+    def __init__(
+        self, problem: Problem, point: Point, slopes: Slopes, near: Clearances, trust: float
+    ) -> None:
+        self.problem, self.point, self.slopes, self.near = problem, point, slopes, near
+        self.trust, self.n, self.nv = trust, problem.robot.n, problem.nv
         self.with_work = problem.weights.work > 0.0
-        self.p = self.nv + 12 + self.n * (2 if self.with_work else 1)
-        self.torques = slice(self.nv + 12, self.nv + 12 + self.n)
-        self.work = slice(self.torques.stop, self.p)
-        self.at = self.p * np.arange(problem.n_samples)  # first unknown of each sample
+        self.unknowns = unknowns_of(problem, point, slopes)
+        self.moves = self.unknowns.moves
+        self.unit = problem.robot.mass * GRAVITY * problem.leg  # of torques [N m]
+        every = np.arange(problem.n_samples)
+        counts = np.stack([
+            self.moves.count * ((every > 0) & (every < every[-1])),  # the ends do not move
+            N_PRESS * problem.bears.all(axis=1),
+            np.full(len(every), self.n * self.with_work),
+        ], axis=1)  # fmt: skip
+        ends = np.cumsum(counts).reshape(counts.shape)
+        self.size = int(ends[-1, -1])
+        at = np.where(counts > 0, ends - counts, -1)  # first unknowns, -1 if there are none
+        self.at_moves, self.at_press, self.at_power = at.T
 
     def solve(self) -> Step:
         """The solution that PIQP finds."""
-        size = self.p * self.problem.n_samples
         P, c = self._objective()
-        A, b = self._equalities()
         G, low, high = self._inequalities()
-        lower, upper = self._bounds()
-        units, rows = self._units(A.n_rows)
-        scale, per_row = sp.diags_array(units), sp.diags_array(1.0 / rows)
         solver = piqp.SparseSolver()
-        solver.settings.eps_abs = solver.settings.eps_rel = EPS
-        solver.settings.max_iter = MOST_ITERATIONS
+        settings = solver.settings
+        settings.kkt_solver = piqp.sparse_multistage
+        settings.eps_abs = settings.eps_rel = EPS
+        settings.eps_duality_gap_abs = settings.eps_duality_gap_rel = GAP
+        settings.max_iter = MOST_ITERATIONS
+        settings.preconditioner_iter = 0  # all rows and unknowns are of one size already
         solver.setup(
-            sp.csc_matrix(scale @ P.matrix(size) @ scale), units * c.ravel(),
-            sp.csc_matrix(per_row @ A.matrix(size) @ scale), b / rows,
-            sp.csc_matrix(G.matrix(size) @ scale), low, high,
-            lower.ravel() / units, upper.ravel() / units,
-        )  # fmt: skip
-        status = solver.solve()
-        x = (units * solver.result.x).reshape(-1, self.p)
-        w = x[:, self.nv : self.nv + 12].reshape(-1, 2, 6).copy()
-        return Step(x[:, : self.nv].copy(), w, bool(status == piqp.PIQP_SOLVED))
+            P.matrix(self.size), c, None, None, G.matrix(self.size), low, high, *self._bounds()
+        )
+        solver.solve()
+        x = np.append(solver.result.x, 0.0)  # the last one for unknowns that are 0
+        y = x[columns_of(self.at_moves, self.moves.count)]
+        s = x[columns_of(self.at_press, N_PRESS)]
+        w = self.unknowns.wrench_units * self.unknowns.wrench.at(y, s)
+        return Step(self.moves.changes(y), w.reshape(-1, 2, 6))
 
-    def _units(self, n_rows: int) -> tuple[Array, Array]:
-        """Units of the unknowns, and of the equalities, in which all of them are of one size.
+    def _objective(self) -> tuple[Entries, Array]:
+        """The objective divided by h; the upper triangle of its matrix."""
+        problem, n_samples, ny = self.problem, self.problem.n_samples, self.moves.count
+        P, c = Entries(n_rows=self.size), np.zeros(self.size + 1)  # the last one for at = -1
+        blocks = np.zeros((3, n_samples, ny, ny))  # of moves at k with those at k, k + 1, k + 2
+        blocks[0], slope = self._configurations()
+        torque, weight = self.unknowns.torque, problem.weights.torque
+        by_press = weight * torque.by_press.transpose(0, 2, 1)
+        for d in (-1, 0, 1):
+            k = np.arange(max(-d, 0), n_samples - max(d, 0))
+            part = weight * torque.by_moves[d + 1, k].transpose(0, 2, 1)
+            slope[k + d] += (part @ torque.constant[k, :, None])[..., 0]
+            for e in range(d, 2):
+                blocks[e - d, k + d] += part @ torque.by_moves[e + 1, k]
+            both = k[(self.at_press[k] >= 0) & (self.at_moves[k + d] >= 0)]
+            cross = by_press[both] @ torque.by_moves[d + 1, both]
+            if d == 1:  # of the unknowns of a sample those of its moves come first
+                P.blocks(self.at_press[both], self.at_moves[both + d], cross)
+            else:
+                rows = self.at_moves[both + d]
+                P.blocks(rows, self.at_press[both], cross.transpose(0, 2, 1))
+        for d in range(3):
+            k = np.flatnonzero(self.at_moves[: n_samples - d] >= 0)
+            P.blocks(self.at_moves[k], self.at_moves[k + d], blocks[d, k])
+        both = np.flatnonzero(self.at_press >= 0)
+        squares = by_press[both] @ torque.by_press[both] + PRESS_CURVATURE * np.eye(N_PRESS)
+        P.blocks(self.at_press[both], self.at_press[both], squares)
+        c[columns_of(self.at_press, N_PRESS)] = (by_press @ torque.constant[..., None])[..., 0]
+        c[columns_of(self.at_moves, ny)] = slope
+        c[columns_of(self.at_power, self.n)] = problem.weights.work
+        return P, c[:-1]
 
-        In SI units the solver needs several times as many iterations, or does not converge.
-        """
-        weight, leg = self.problem.robot.mass * GRAVITY, self.problem.leg
-        one = np.ones(self.p)
-        one[self.nv : self.nv + 12] = np.tile(weight * np.repeat([1.0, leg], 3), 2)
-        one[self.torques] = weight * leg
-        one[self.work] = weight * np.sqrt(GRAVITY * leg)
-        rows = np.ones(n_rows)
-        rows[: self.nv * self.problem.n_samples] = weight * leg
-        return np.tile(one, self.problem.n_samples), rows
-
-    def _objective(self) -> tuple[_Entries, Array]:
-        """The objective divided by h."""
+    def _configurations(self) -> tuple[Array, Array]:
+        """Curvature (T, ny, ny) and slope (T, ny) of the terms of configurations."""
         problem, point, slopes = self.problem, self.point, self.slopes
-        weights, nv = problem.weights, self.nv
-        P, c = _Entries(n_rows=self.p * problem.n_samples), np.zeros((problem.n_samples, self.p))
-        curvature = np.zeros_like(c)
-        curvature[:, FLOATING_BASE_NV:nv] = weights.distance
-        curvature[:, :nv] += LEAST_CURVATURE
-        c[:, FLOATING_BASE_NV:nv] = weights.distance * point.off_joints
-        weight = problem.robot.mass * GRAVITY
-        curvature[:, nv : nv + 12] = WRENCH_CURVATURE / weight**2
-        curvature[:, self.torques] = problem.weight_torque
-        diagonal = self.at[:, None] + np.arange(self.p)
-        P.add(diagonal, diagonal, curvature)
+        weights = problem.weights
+        diagonal = np.full(self.nv, LEAST_CURVATURE)
+        diagonal[JOINTS] += weights.distance
+        curvature = np.tile(np.diag(diagonal), (problem.n_samples, 1, 1))
+        slope = np.zeros((problem.n_samples, 1, self.nv))
+        slope[:, 0, JOINTS] = weights.distance * point.off_joints
         terms = [(weights.upright, point.off_torso, slopes.torso)]
         terms += [
             (weights.hands / problem.leg**2, point.off_hands[:, side], slopes.hands[:, side])
@@ -145,120 +134,160 @@ class Program:
         ]
         for factor, off, J in terms:
             if factor > 0.0:
-                P.blocks(self.at, self.at, factor * (J.transpose(0, 2, 1) @ J))
-                c[:, :nv] += factor * (off[:, None] @ J)[:, 0]
-        if self.with_work:
-            c[:, self.work] = problem.weight_work
-        return P, c
+                curvature += factor * (J.transpose(0, 2, 1) @ J)
+                slope += factor * (off[:, None] @ J)
+        half = self.moves.rows(curvature).transpose(0, 2, 1)
+        return self.moves.rows(half), self.moves.rows(slope)[:, 0]
 
-    def _equalities(self) -> tuple[_Entries, Array]:
-        problem, point, slopes = self.problem, self.point, self.slopes
-        n_samples, nv, n = problem.n_samples, self.nv, self.n
-        A, every = _Entries(), np.arange(n_samples)
-        rows = A.new_rows(n_samples, nv)  # dynamics of base and joints
-        for part, d in enumerate((-1, 0, 1)):
-            k = every[(every + d >= 0) & (every + d < n_samples)]
-            A.blocks(rows[k], self.at[k + d], slopes.force[part, k])
-        right = -point.force
-        for side in Side:
-            J = np.where(problem.bears[:, side, None, None], slopes.soles[:, side], 0.0)
-            k = np.flatnonzero(problem.bears[:, side])
-            A.blocks(rows[k], self.at[k] + nv + 6 * side, -J[k].transpose(0, 2, 1))
-            right -= (point.w[:, side, None] @ J)[:, 0]
-        A.add(
-            rows[:, None] + FLOATING_BASE_NV + np.arange(n),
-            self.at[:, None] + nv + 12 + np.arange(n),
-            np.full((n_samples, n), -1.0),
-        )
-        k = every[1:-1]  # the ends do not move
-        for side in Side:
-            A.blocks(A.new_rows(len(k), 6), self.at[k], slopes.soles[k, side])
-        return A, np.concatenate([right.ravel(), np.zeros(12 * len(k))])
-
-    def _inequalities(self) -> tuple[_Entries, Array, Array]:
-        problem, point = self.problem, self.point
-        G, low, high = _Entries(), [], []
-        for side in Side:
-            k = np.flatnonzero(problem.bears[:, side])
-            cone = np.broadcast_to(problem.cones[side], (len(k), N_CONE, 6))
-            G.blocks(G.new_rows(len(k), N_CONE), self.at[k] + self.nv + 6 * side, cone)
-            low.append(np.full(N_CONE * len(k), -np.inf))
-            high.append(np.zeros(N_CONE * len(k)))
-        joints = FLOATING_BASE_NV + np.arange(self.n)
-        rows = G.new_rows(problem.n_samples - 1, self.n)[:, None] + np.arange(self.n)
-        ones = np.ones(rows.shape)
-        G.add(rows, self.at[1:, None] + joints, ones)
-        G.add(rows, self.at[:-1, None] + joints, -ones)
-        done = problem.h * point.v[1:-1, JOINTS]
-        most = problem.h * problem.speed_limit
-        low.append((-most - done).ravel())
-        high.append((most - done).ravel())
-        for limits in (self._speed_torque_lines(G), self._clearances(G), self._powers(G)):
-            low.append(np.full(len(limits), -np.inf))
-            high.append(limits)
+    def _inequalities(self) -> tuple[Entries, Array, Array]:
+        G, low, high = Entries(), [], []
+        for limits in (
+            self._cones, self._speeds, self._ranges, self._torques, self._lines,
+            self._clearances, self._powers,
+        ):  # fmt: skip
+            least, most = limits(G)
+            low.append(least.ravel())
+            high.append(most.ravel())
         return G, np.concatenate(low), np.concatenate(high)
 
-    def _speed_torque_lines(self, G: _Entries) -> Array:
+    def _rows(
+        self, G: Entries, k: Places, rows: Affine, most: Array | float
+    ) -> tuple[Array, Array]:
+        """Rows (m, r) of samples k (m,) are at most `most`; the limits of their linear parts."""
+        first = G.new_rows(*rows.constant.shape)
+        for d in (-1, 0, 1):
+            inside = (k + d >= 0) & (k + d < self.problem.n_samples)
+            at = self.at_moves[k[inside] + d]
+            G.blocks(first[inside], at, rows.by_moves[d + 1, inside])
+        G.blocks(first, self.at_press[k], rows.by_press)
+        high = most - rows.constant
+        return np.full(high.shape, -np.inf), high
+
+    def _cones(self, G: Entries) -> tuple[Array, Array]:
+        """Rows of the wrench cones of soles that bear, in parts of the weight."""
+        low, high = [], []
+        for side in Side:
+            k = np.flatnonzero(self.problem.bears[:, side])
+            part = slice(6 * side, 6 * side + 6)
+            units = self.unknowns.wrench_units[part] / (self.problem.robot.mass * GRAVITY)
+            wrench = self.unknowns.wrench.of(k, part).times(self.problem.cones[side] * units)
+            limits = self._rows(G, k, wrench, 0.0)
+            low.append(limits[0].ravel())
+            high.append(limits[1].ravel())
+        return np.concatenate(low), np.concatenate(high)
+
+    def _speeds(self, G: Entries) -> tuple[Array, Array]:
+        """Rows of the turn of each joint from one sample to the next."""
+        moves, n_turn = self.moves, self.moves.n_turn
+        legs, most = moves.moving[FLOATING_BASE_NV:] - FLOATING_BASE_NV, self.problem.speed_limit
+        others = moves.free - FLOATING_BASE_NV
+        turn = moves.turn[:, FLOATING_BASE_NV:]
+        rows = G.new_rows(self.problem.n_samples - 1, len(legs))
+        G.blocks(rows, self.at_moves[1:], turn[1:])
+        G.blocks(rows, self.at_moves[:-1], -turn[:-1])
+        rows = G.new_rows(self.problem.n_samples - 1, len(others))[:, None] + np.arange(len(others))
+        at = columns_of(self.at_moves, moves.count)[:, n_turn:]
+        G.add(rows, at[1:], np.ones(rows.shape))
+        G.add(rows, at[:-1], -np.ones(rows.shape))
+        v, h = self.point.v[1:-1, JOINTS], self.problem.h
+        low, high = h * (-most - v), h * (most - v)
+        return (
+            np.concatenate([low[:, legs].ravel(), low[:, others].ravel()]),
+            np.concatenate([high[:, legs].ravel(), high[:, others].ravel()]),
+        )
+
+    def _ranges(self, G: Entries) -> tuple[Array, Array]:
+        """Rows of the changes of base and legs."""
+        moving = self.moves.moving
+        G.blocks(
+            G.new_rows(self.problem.n_samples - 2, len(moving)), self.at_moves[1:-1],
+            self.moves.turn[1:-1],
+        )  # fmt: skip
+        low, high = self._changes
+        return low[1:-1, moving], high[1:-1, moving]
+
+    def _bounds(self) -> tuple[Array, Array]:
+        """Bounds of all unknowns: joints that do not move the soles, and positive powers."""
+        lower, upper = np.full(self.size, -np.inf), np.full(self.size, np.inf)
+        at = columns_of(self.at_moves[1:-1], self.moves.count)[:, self.moves.n_turn :]
+        low, high = self._changes
+        lower[at], upper[at] = low[1:-1, self.moves.free], high[1:-1, self.moves.free]
+        if self.with_work:
+            lower[columns_of(self.at_power, self.n)] = 0.0
+        return lower, upper
+
+    @functools.cached_property
+    def _changes(self) -> tuple[Array, Array]:
+        """Least and largest changes (T, 6 + n) of base and joints."""
+        high = np.full((self.problem.n_samples, self.nv), self.trust)
+        low = -high
+        angles, (least, most) = self.point.q[:, FLOATING_BASE_NQ:], self.problem.angles
+        low[:, JOINTS] = np.maximum(low[:, JOINTS], np.minimum(least - angles, 0.0))
+        high[:, JOINTS] = np.minimum(high[:, JOINTS], np.maximum(most - angles, 0.0))
+        return low, high
+
+    def _torques(self, G: Entries) -> tuple[Array, Array]:
+        """Rows of all torques, in parts of their limits."""
+        every = np.arange(self.problem.n_samples)
+        part = self.unit / (RESERVE * self.problem.robot.torque_limit)
+        rows = self.unknowns.torque.times(np.diag(part))
+        _, high = self._rows(G, every, rows, 1.0)
+        return high - 2.0, high
+
+    def _lines(self, G: Entries) -> tuple[Array, Array]:
         """Rows  s (tau + slope v) <= stall torque  for s = 1 and -1, where a servo is near them."""
         problem, point, robot = self.problem, self.point, self.problem.robot
-        slope = RESERVE * robot.torque_limit / robot.no_load_speed
         stall = RESERVE * robot.torque_limit
+        slope = stall / robot.no_load_speed
         v = 0.5 * (point.v[:-1, JOINTS] + point.v[1:, JOINTS])
-        limits = []
-        for s in (1.0, -1.0):
-            use = s * (point.torque + slope * v) / stall
-            k, j = np.nonzero((use > NEAR_LINE) & (s * v > 0.0))
-            inside = (k > 0) & (k < problem.n_samples - 1)
-            k, j = k[inside], j[inside]
-            rows = G.new_rows(len(k), 1)
-            part = s * slope[j] / (2.0 * problem.h)
-            G.add(rows, self.at[k] + self.nv + 12 + j, np.full(len(k), s))
-            G.add(rows, self.at[k + 1] + FLOATING_BASE_NV + j, part)
-            G.add(rows, self.at[k - 1] + FLOATING_BASE_NV + j, -part)
-            limits.append(stall[j] - s * slope[j] * v[k, j])
-        return np.concatenate(limits)
+        use = (point.torque + slope * v) / stall
+        k, j = np.nonzero((np.abs(use) > NEAR_LINE) & (use * v > 0.0))
+        inside = (k > 0) & (k < problem.n_samples - 1)
+        k, j = k[inside], j[inside]
+        sign = np.sign(v[k, j])
+        joint = np.zeros((len(k), 1, self.nv))
+        joint[np.arange(len(k)), 0, FLOATING_BASE_NV + j] = sign / (
+            2.0 * problem.h * robot.no_load_speed[j]
+        )
+        torque, part = self.unknowns.torque, sign * self.unit / stall[j]
+        by_moves = part[:, None, None] * torque.by_moves[:, k, j, None]
+        by_moves[0] -= self.moves.rows(joint, k - 1)
+        by_moves[2] += self.moves.rows(joint, k + 1)
+        rows = Affine(
+            (part * torque.constant[k, j] + sign * v[k, j] / robot.no_load_speed[j])[:, None],
+            by_moves, part[:, None, None] * torque.by_press[k, j, None],
+        )  # fmt: skip
+        return self._rows(G, k, rows, 1.0)
 
-    def _clearances(self, G: _Entries) -> Array:
+    def _clearances(self, G: Entries) -> tuple[Array, Array]:
         """Rows  -row . dq <= distance - least distance  for links that are near each other."""
-        found = self.problem.clearance.along(self.point.q)
-        inside = (found.samples > 0) & (found.samples < self.problem.n_samples - 1)
-        samples, rows = found.samples[inside], found.rows[inside]
-        G.blocks(G.new_rows(len(samples), 1), self.at[samples], -rows[:, None])
-        return np.asarray((found.distance - found.least)[inside])
+        near = self.near
+        inside = (near.samples > 0) & (near.samples < self.problem.n_samples - 1)
+        k = near.samples[inside]
+        rows = self.moves.rows(-near.rows[inside, None], k)
+        G.blocks(G.new_rows(len(k), 1), self.at_moves[k], rows)
+        high = (near.distance - near.least)[inside]
+        return np.full(high.shape, -np.inf), high
 
-    def _powers(self, G: _Entries) -> Array:
+    def _powers(self, G: Entries) -> tuple[Array, Array]:
         """Rows  tau dv + v tau_new - power <= 0, which make the unknown power the positive one.
 
         With a slope of the positive power alone a joint at rest would seem to move for nothing.
         """
         if not self.with_work:
-            return np.zeros(0)
-        point, joints = self.point, FLOATING_BASE_NV + np.arange(self.n)
-        rows = G.new_rows(self.problem.n_samples, self.n)[:, None] + np.arange(self.n)
-        by_v = point.torque / self.problem.h
-        at = self.at[:, None]
-        G.add(rows, at + joints, by_v)
-        G.add(rows[1:], at[:-1] + joints, -by_v[1:])
-        G.add(rows, at + self.torques.start + np.arange(self.n), point.v[:-1, JOINTS])
-        G.add(rows, at + self.work.start + np.arange(self.n), np.full(rows.shape, -1.0))
-        return np.zeros(rows.size)
-
-    def _bounds(self) -> tuple[Array, Array]:
-        problem, robot, nv = self.problem, self.problem.robot, self.nv
-        upper = np.full((problem.n_samples, self.p), np.inf)
-        upper[:, :nv] = self.trust
-        lower = -upper
-        angles = self.point.q[:, FLOATING_BASE_NQ:]
-        joints = slice(FLOATING_BASE_NV, nv)
-        least, most = problem.angles
-        lower[:, joints] = np.maximum(lower[:, joints], np.minimum(least - angles, 0.0))
-        upper[:, joints] = np.minimum(upper[:, joints], np.maximum(most - angles, 0.0))
-        lower[[0, -1], :nv] = upper[[0, -1], :nv] = 0.0
-        for side in Side:
-            free = np.flatnonzero(~problem.bears[:, side])
-            wrench = slice(nv + 6 * side, nv + 6 * side + 6)
-            lower[free, wrench] = upper[free, wrench] = 0.0
-        lower[:, self.torques] = -RESERVE * robot.torque_limit
-        upper[:, self.torques] = RESERVE * robot.torque_limit
-        lower[:, self.work] = 0.0
-        return lower, upper
+            return np.zeros(0), np.zeros(0)
+        problem, every = self.problem, np.arange(self.problem.n_samples)
+        speed = np.sqrt(GRAVITY * problem.leg)
+        v = self.point.v[:-1, JOINTS, None] * problem.leg / speed  # of units of torque to power
+        torque, one = self.unknowns.torque, np.eye(self.nv)[None, JOINTS]
+        by_moves = v * torque.by_moves
+        at = G.n_rows + self.n * every
+        turn = self.point.torque[..., None] / self.unit * problem.leg / (speed * problem.h)
+        joints = self.moves.rows(np.broadcast_to(one, (problem.n_samples, self.n, self.nv)))
+        by_moves[0, 1:] -= turn[1:] * joints[:-1]
+        by_moves[1] += turn * joints
+        rows = Affine(v[..., 0] * torque.constant, by_moves, v * torque.by_press)
+        limits = self._rows(G, every, rows, 0.0)
+        places = at[:, None] + np.arange(self.n)
+        G.add(places, columns_of(self.at_power, self.n), np.full(places.shape, -1.0))
+        return limits

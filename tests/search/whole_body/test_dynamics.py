@@ -10,9 +10,11 @@ import pytest
 
 import mgs
 from mgs.core.arrays import Array
+from mgs.core.constants import GRAVITY
 from mgs.core.contact import Side
 from mgs.search.whole_body.dynamics import Point, offsets, point_at, slopes_at, soles_of
 from mgs.search.whole_body.problem import Problem, Weights, bearing
+from mgs.search.whole_body.unknowns import N_PRESS, unknowns_of
 
 PART = slice(95, 125, 3)  # of a walk: single support, then double support
 STEP = 1e-6
@@ -111,6 +113,37 @@ def lacking_force(problem: Problem, q: Array, w: Array) -> Array:
     return force
 
 
+def test_moves_keep_the_soles_and_the_dynamics_of_the_base(problem: Problem, point: Point):
+    """Torques are those of inverse dynamics too, all to first order in the unknowns."""
+    rng = np.random.default_rng(8)
+    unknowns = unknowns_of(problem, point, slopes_at(problem, point))
+    y = rng.standard_normal((problem.n_samples, unknowns.moves.count))
+    s = rng.standard_normal((problem.n_samples, N_PRESS))
+    y[[0, -1]] = 0.0
+    less = point.w.reshape(-1, 12) / unknowns.wrench_units - unknowns.wrench.constant
+    s_now = (unknowns.wrench.by_press.transpose(0, 2, 1) @ less[..., None])[..., 0]
+    unit = problem.robot.mass * GRAVITY * problem.leg
+
+    def at(size: float) -> tuple[Array, Array]:
+        """What the base lacks and how torques differ, and how far soles are from their places."""
+        q = moved(problem, point.q, unknowns.moves.changes(y), size)
+        w = unknowns.wrench.at(size * y, s_now + size * s) * unknowns.wrench_units
+        force = lacking_force(problem, q, w.reshape(-1, 2, 6))
+        force[:, 6:] -= unit * unknowns.torque.at(size * y, s_now + size * s)
+        assert not w.reshape(-1, 2, 6)[~problem.bears].any()
+        return force, soles_of(problem, q)[0]
+
+    force, off = ((b - a) / (2 * STEP) for a, b in zip(at(-STEP), at(STEP), strict=True))
+    low, high = (
+        lacking_force(problem, moved(problem, point.q, unknowns.moves.changes(y), d), point.w)
+        for d in (-STEP, STEP)
+    )
+    size = np.abs(high - low).max() / (2 * STEP)
+    np.testing.assert_allclose(force, 0.0, atol=2e-6 * size)
+    np.testing.assert_allclose(off, 0.0, atol=1e-5)
+    np.testing.assert_allclose(at(0.0)[0], 0.0, atol=1e-9 * unit)
+
+
 def test_distances_of_links_change_as_their_rows_say(problem: Problem):
     rng = np.random.default_rng(7)
     q = problem.plan.copy()
@@ -119,8 +152,7 @@ def test_distances_of_links_change_as_their_rows_say(problem: Problem):
     direction = rng.standard_normal((len(q), problem.nv))
     found = problem.clearance.along(q)
     low, high = (
-        problem.clearance.along(moved(problem, q, direction, size), with_rows=False)
-        for size in (-1e-5, 1e-5)
+        problem.clearance.along(moved(problem, q, direction, size)) for size in (-1e-5, 1e-5)
     )
     assert len(found.distance) == len(low.distance) == len(high.distance) > 10
     slope = np.sum(found.rows * direction[found.samples], axis=1)

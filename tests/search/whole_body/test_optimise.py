@@ -33,7 +33,7 @@ def better(squat: Motion) -> Optimised:
 def test_torques_fall_and_everything_else_that_is_asked_is_kept(squat: Motion, better: Optimised):
     found = better.motion
     assert better.after.torque_rms < 0.85 * better.before.torque_rms
-    assert better.holds
+    assert better.holds and better.solution.objective[-1] < better.solution.objective[0]
     np.testing.assert_allclose(found.q[[0, -1]], squat.q[[0, -1]], atol=1e-12)
     np.testing.assert_allclose(found.soles, squat.soles, atol=1e-6)
     assert better.after.zmp_margin > min(better.before.zmp_margin, 0.02) - 1e-3
@@ -41,11 +41,6 @@ def test_torques_fall_and_everything_else_that_is_asked_is_kept(squat: Motion, b
         found.q[:, 7:] <= found.robot.upper
     )
     assert [check.name for check in check_motion(found) if not check.ok] == []
-
-
-def test_the_objective_falls_in_every_step(better: Optimised):
-    assert len(better.solution.objective) > 2
-    assert better.solution.objective[-1] < better.solution.objective[0]
 
 
 def test_a_large_weight_of_the_plan_keeps_the_plan(squat: Motion):
@@ -56,6 +51,7 @@ def test_a_large_weight_of_the_plan_keeps_the_plan(squat: Motion):
 @pytest.mark.slow
 def test_the_weight_of_the_work_lowers_the_work(squat: Motion, better: Optimised):
     found = optimise(squat, Weights(work=1.0))
+    assert found.holds
     assert found.after.positive_work < 0.97 * better.after.positive_work
 
 
