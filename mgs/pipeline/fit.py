@@ -4,7 +4,8 @@
 do the walk depends on its servos and ranges too. So the plan is made, its static figures are
 looked at, and where they use more than 85 % of a limit, other sizes are tried, in this order: the
 distance of the soles, the height of the CoM, rests and step times, and the length of the step. Of
-each the best is kept, and the first walk with enough reserve is taken. No physics is simulated.
+each the best is kept, and the first walk with enough reserve is taken. Where the best walk exceeds
+a limit, longer rests are the last resort. No physics is simulated.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ FACTORS = (  # on the derived sizes, in the order of their trial
     (TIMES, (1.25,)),  # longer ones only: quick steps come in time with a robot's swaying
     (LENGTHS, (0.75, 0.5)),
 )
+LONGEST_RESTS = 3.0  # times the derived ones: kept only if the walk then keeps every limit
 
 
 @dataclass(frozen=True)
@@ -106,7 +108,26 @@ def fit_walk(
     if best is None:
         assert first is not None
         raise first
+    if best.use > 1.0 and (rests := _scaled(RESTS, LONGEST_RESTS, robot, gait, derived)):
+        tried += 1
+        rested = _rested(robot, derived, best.changes | rests, name, progress)
+        best = rested or best
     return best.stages, Fit(best.use, best.limited_by, best.changes, tried)
+
+
+def _rested(
+    robot: Robot,
+    derived: WalkGait,
+    changes: dict[str, float],
+    name: str,
+    progress: Progress | None,
+) -> _Candidate | None:
+    """The walk with long rests, over which joints recover from a load; None: it does not help."""
+    try:
+        found = _candidate(robot, derived, changes, name, progress)
+    except (InfeasibleGaitError, ConfigError):  # such as too many samples
+        return None
+    return found if found.use <= 1.0 else None
 
 
 def _candidate(
@@ -131,17 +152,22 @@ def _candidate(
 
 def _options(robot: Robot, gait: WalkGait, derived: WalkGait) -> list[list[dict[str, float]]]:
     """Other values for the sizes that the gait file leaves out, in the order of their trial."""
+    found = [
+        [_scaled(keys, factor, robot, gait, derived) for factor in factors]
+        for keys, factors in FACTORS
+    ]
+    return [options for options in found if options[0]]
+
+
+def _scaled(
+    keys: tuple[str, ...], factor: float, robot: Robot, gait: WalkGait, derived: WalkGait
+) -> dict[str, float]:
+    """Values that the gait file leaves out, times a factor."""
     values = {key: float(getattr(derived.walk, key)) for key in (*TIMES, *RESTS, *LENGTHS)}
     values["step_width"] = midpoint_width(robot)
     values["com_height"] = float(standing_figures(robot).com[2])
-    found = []
-    for keys, factors in FACTORS:
-        free = [key for key in keys if key not in gait.walk.model_fields_set and values[key]]
-        if free:
-            found.append(
-                [{key: _rounded(key, values[key] * f, gait.dt) for key in free} for f in factors]
-            )
-    return found
+    free = [key for key in keys if key not in gait.walk.model_fields_set and values[key]]
+    return {key: _rounded(key, values[key] * factor, gait.dt) for key in free}
 
 
 def _unit(key: str) -> str:
