@@ -4,7 +4,9 @@ Walks of robots of different size are alike if lengths are proportional to the l
 durations to sqrt(L / g): their Froude numbers v^2 / (g L) are equal (R. McN. Alexander, "The gaits
 of bipedal and quadrupedal animals", Int. J. Robotics Research 3(2), 1984). The factors below give a
 slow walk with a Froude number of 0.0002. On servos that give way a robot sways on one leg; with the
-times of single support that were tried, longer ones let more robots stay up (docs/robots.md).
+times of single support that were tried, longer ones let more robots stay up (docs/robots.md). Where
+the sway reaches the edge of the sole (`mgs.motion_planner.sway`) it takes twice the time: the foot
+leaves the ground more slowly and the sway fades.
 """
 
 from __future__ import annotations
@@ -30,11 +32,13 @@ from mgs.motion_planner.scaled_standing import (
     scaled_kick,
     scaled_pick_up,
 )
+from mgs.motion_planner.sway import swing_of_zmp
 from mgs.robot import Robot, leg_length
 from mgs.robot.legs import missing_turn
 
 STEP_LENGTH, STEP_HEIGHT, ZMP_TOLERANCE = 0.12, 0.04, 5e-4  # in leg lengths
 SINGLE_SUPPORT, DOUBLE_SUPPORT = 5.0, 2.9  # in sqrt(L / g)
+SWAYING_SINGLE_SUPPORT = 10.0  # of robots whose sway tips the sole
 QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT = 1.2, 0.5  # of robots that only sway their trunk
 QUICK_PASSES = 8  # passes of the dynamic filter for such robots
 REST = 3.0  # [s] before and after the steps; with less, hips exceed their RMS torque on some robots
@@ -78,7 +82,8 @@ def _walk_sizes(gait: WalkGait, robot: Robot) -> dict[str, Any]:
     length = leg_length(robot)
     time = math.sqrt(length / GRAVITY)
     quick = missing_turn(robot) == "roll"
-    single = QUICK_SINGLE_SUPPORT if quick else SINGLE_SUPPORT
+    steady = SWAYING_SINGLE_SUPPORT if swing_of_zmp(robot) > 1.0 else SINGLE_SUPPORT
+    single = QUICK_SINGLE_SUPPORT if quick else steady
     double = QUICK_DOUBLE_SUPPORT if quick else DOUBLE_SUPPORT
     return {
         "step_length": round(STEP_LENGTH * length, DIGITS) if gait.walk.n_steps != 1 else 0.0,
