@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator
 from xml.etree import ElementTree
 
-from mgs.robot.urdf_form import misshapen
+from mgs.robot.urdf_form import misshapen, own_elements
 
 # number of values and, if it is a size, that all of them have to be positive
 NUMBERS = {
@@ -77,7 +77,7 @@ def is_empty(shape: ElementTree.Element) -> bool:
 
 def _values(part: ElementTree.Element) -> Iterator[tuple[ElementTree.Element, str, str]]:
     """Attributes of a link or a joint that have to be numbers: element, key, value."""
-    for element in part.iter():
+    for element in own_elements(part):
         for key, value in element.attrib.items():
             if (element.tag, key) in NUMBERS:
                 yield element, key, value

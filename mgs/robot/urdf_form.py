@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import difflib
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from xml.etree import ElementTree
 
 from mgs.core.short_text import clipped, shown
@@ -52,12 +52,21 @@ def misshapen(part: ElementTree.Element) -> list[str]:
     """Problems of the form of a link or a joint, one sentence each."""
     called = f"{part.tag} {clipped(part.get('name', ''), 60)}"
     problems = []
-    for element in part.iter():
-        if element.tag not in CHILDREN and element.tag not in ATTRIBUTES:
-            continue
+    for element in own_elements(part):
         where = called if element is part else f"{called}: {element.tag}"
         problems += [f"{where} {problem}" for problem in _of(str(element.tag), element)]
     return problems
+
+
+def own_elements(part: ElementTree.Element) -> Iterator[ElementTree.Element]:
+    """A link or a joint and the elements of URDF in it, but nothing inside foreign elements.
+
+    `<collision_checking><capsule name="shin"/></collision_checking>` means a capsule of its own.
+    """
+    yield part
+    for child in part:
+        if child.tag in CHILDREN or child.tag in ATTRIBUTES:
+            yield from own_elements(child)
 
 
 def _of(tag: str, element: ElementTree.Element) -> list[str]:

@@ -46,7 +46,10 @@ def test_what_a_parser_would_drop_is_refused(name: str, tmp_path: Path) -> None:
 def test_elements_of_simulators_are_left_alone(tmp_path: Path) -> None:
     shipped = shipped_folder("robots") / "melson"
     text = (shipped / "robot.urdf").read_text()
-    foreign = '<contact friction="1"/><self_collision_checking/>'
+    foreign = (
+        '<contact friction="1"/><self_collision_checking/>'
+        '<shapes><capsule name="shin"/><mass value="none"/></shapes>'
+    )
     extended = LIMIT.replace(
         "/>", ' acceleration="9" qdd_max="9"/><safety_controller k_velocity="1"/>'
     )
