@@ -109,9 +109,13 @@ def fit_walk(
         assert first is not None
         raise first
     if best.use > 1.0 and (rests := _scaled(RESTS, LONGEST_RESTS, robot, gait, derived)):
-        tried += 1
-        rested = _rested(robot, derived, best.changes | rests, name, progress)
-        best = rested or best
+        as_tall = {key: x for key, x in best.changes.items() if key != "com_height"}
+        for kept in (best.changes, as_tall)[: 1 + (as_tall != best.changes)]:
+            tried += 1
+            rested = _rested(robot, derived, kept | rests, name, progress)
+            if rested is not None:  # bent knees bear a load at rest too
+                best = rested
+                break
     return best.stages, Fit(best.use, best.limited_by, best.changes, tried)
 
 

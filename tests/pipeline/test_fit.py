@@ -70,7 +70,8 @@ def test_what_the_file_states_is_kept(tmp_path: Path):
 def test_what_no_walk_gives_is_told(tmp_path: Path):
     _, fit = fit_walk(biped(tmp_path, 8.0), walk())
     assert not fit.has_reserve
-    assert fit.tried == 1 + sum(len(factors) for _, factors in FACTORS) + 1  # long rests
+    tried = fit.tried - 1 - sum(len(factors) for _, factors in FACTORS)
+    assert tried in (1, 2)  # long rests, with the height of the CoM as changed and as derived
     assert fit.changes["lead_in"] < 9.0  # which do not help, so that they are not kept
     assert "lasting torque of " in str(fit) or "torque of " in str(fit)
 
