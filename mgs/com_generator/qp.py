@@ -30,10 +30,9 @@ from mgs.core.arrays import Array
 from mgs.core.constants import GRAVITY
 from mgs.core.contact import Side, Support
 from mgs.core.errors import ConfigError, ZmpMarginError
-from mgs.core.spans import spans
 from mgs.gait import ComParameters
 from mgs.robot import Robot
-from mgs.robot.support_polygon import support_polygon
+from mgs.robot.support_polygon import support_polygon, support_spans
 from mgs.trajectory_planner import TaskTrajectory
 
 MARGIN = 0.25  # in widths of a sole: half of the way from the edge to the middle
@@ -105,12 +104,13 @@ def default_margin(robot: Robot) -> float:
 def support_half_planes(robot: Robot, tasks: TaskTrajectory) -> list[tuple[slice, Array, Array]]:
     """Samples, outward normals (m, 2) and offsets (m,): inside is normals @ zmp <= offsets."""
     half_planes = []
-    for start, end in spans(tasks.support):
-        polygon = support_polygon(robot, tasks.soles[start], Support(tasks.support[start]))
+    for span in support_spans(robot, tasks.soles, tasks.support):
+        polygon = support_polygon(robot, tasks.soles[span.start], span.support, span.bears)
         along = np.roll(polygon, -1, axis=0) - polygon
         normals = np.column_stack([along[:, 1], -along[:, 0]])
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        half_planes.append((slice(start, end), normals, np.sum(normals * polygon, axis=1)))
+        samples = slice(span.start, span.end)
+        half_planes.append((samples, normals, np.sum(normals * polygon, axis=1)))
     return half_planes
 
 

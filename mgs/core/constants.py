@@ -15,5 +15,7 @@ POSITION_TOLERANCE = 1e-4  # [m], of soles and hands
 COM_TOLERANCE = 2e-4  # [m]
 ROTATION_TOLERANCE = math.radians(0.01)  # [rad], of soles and torso
 
+CONTACT_TOLERANCE = 5e-4  # [m] that a sole in support may move, sink or float
+
 # The Coulomb coefficient that plans and static checks count on, on the safe side of dry rubber.
 FRICTION = 0.5

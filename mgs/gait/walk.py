@@ -69,6 +69,28 @@ class GoalParameters(Model):
     )
 
 
+class FootRollParameters(Model):
+    """Rolling feet: heels rise before lift-off, and soles land on their heels.
+
+    Angles are those of the longest step forward; shorter steps roll less, in proportion. Each roll
+    takes half of a double support phase.
+    """
+
+    toe_off: float = Field(
+        0.0,
+        ge=0.0,
+        le=0.8,
+        description="Pitch of the sole at lift-off, when it stands on its toe [rad]; 0: level.",
+    )
+    heel_strike: float = Field(
+        0.0,
+        ge=0.0,
+        le=0.8,
+        description="Pitch of the sole at touch-down, when it lands on its heel with the toe up "
+        "[rad]; 0: level.",
+    )
+
+
 class BoxParameters(Model):
     """A box on the ground: a stair to step on or an obstacle to step over.
 
@@ -204,12 +226,26 @@ class WalkParameters(Model):
         "above its footstep, moves down vertically and slowly, so that it can meet the ground "
         "early without harm; 0: no such descent.",
     )
+    foot_roll: FootRollParameters | None = Field(
+        None,
+        description="Rolling of the soles over heels and toes on level ground; null: soles stay "
+        "level.",
+    )
     com_height: float | None = Field(
         None,
         ge=1e-3,
         le=3.0,
         description="Height of the centre of mass above the ground [m]; null: height in the "
         "half-sitting posture of the robot.",
+    )
+    leg_stretch: float | None = Field(
+        None,
+        ge=0.5,
+        le=1.2,
+        description="Largest distance of an ankle from its hip, as a fraction of that with a "
+        "straight knee. The centre of mass is lower than com_height wherever a leg would have to "
+        "stretch farther; values above 1 count on a pelvis that turns to help. null: 0.97 with "
+        "boxes, and on level ground the height is kept.",
     )
     com_tolerance: float = Field(
         COM_TOLERANCE,

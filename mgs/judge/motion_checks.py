@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from mgs.core.arrays import Array
 from mgs.core.constants import (
+    CONTACT_TOLERANCE,
     FLOATING_BASE_NQ,
     FLOATING_BASE_NV,
     FRICTION,
@@ -26,8 +27,6 @@ from mgs.core.contact import Side, Support
 from mgs.core.geometry import (
     polygon_margins,
     rotation_angles,
-    rotations_from_quat_xyzw,
-    sole_corners,
 )
 from mgs.core.progress import Progress
 from mgs.core.scene import ground_below
@@ -36,11 +35,16 @@ from mgs.judge.wrench_feasibility import missing_wrenches
 from mgs.judge.yaw_friction import yaw_moments
 from mgs.motion import Motion
 from mgs.motion.collisions import first_contact
-from mgs.motion.dynamics import WholeBodyMotion, analyse
+from mgs.motion.dynamics import WholeBodyMotion, analyse, lowest_points
 from mgs.motion.joint_load import available_torque, lasting_torque, step_speeds
-from mgs.robot.support_polygon import support_polygon
+from mgs.robot.support_polygon import (
+    corners_of_soles,
+    in_support,
+    on_ground,
+    support_polygon,
+    support_spans,
+)
 
-CONTACT_TOLERANCE = 5e-4  # [m] a sole in support may move, sink or float
 REST_SPEED = 0.05  # [rad/s] of a joint at the first and last sample
 ANGLE_ROUNDING = 1e-9  # [rad]
 # checks of how well soles, hands, torso and CoM follow their plan
@@ -88,7 +92,7 @@ def check_motion(
             _self_collision(motion, progress, collision_step),
             _rest(motion, speed),
         ]
-    corners = _corners_in_world(motion, body.soles)
+    corners = corners_of_soles(motion.robot, body.soles)
     checks = [
         joint_position(motion),
         _joint_speed(motion, speed),
@@ -125,17 +129,19 @@ def zmp_margins(motion: Motion, zmp: Array, soles: Array | None = None) -> Array
     """
     soles = motion.soles if soles is None else soles
     margins = np.full(motion.n_samples, np.inf)
-    for start, end in spans(motion.support):
-        if motion.support[start] == Support.DOUBLE and is_uneven(motion.soles_ref[start]):
+    uneven = is_uneven(motion)
+    for span in support_spans(motion.robot, motion.soles_ref, motion.support):
+        if uneven[span.start]:
             continue
-        polygon = support_polygon(motion.robot, soles[start], Support(motion.support[start]))
-        margins[start:end] = polygon_margins(zmp[start:end], polygon)
+        polygon = support_polygon(motion.robot, soles[span.start], span.support, span.bears)
+        margins[span.start : span.end] = polygon_margins(zmp[span.start : span.end], polygon)
     return margins
 
 
-def is_uneven(soles: Array) -> NDArray[np.bool_]:
-    """Whether the soles (..., 2, 7) are at unequal heights."""
-    return np.asarray(np.abs(np.diff(soles[..., 2])[..., 0]) > CONTACT_TOLERANCE)
+def is_uneven(motion: Motion) -> NDArray[np.bool_]:
+    """Whether both soles are in support (N,) and bear at unequal heights."""
+    rise = np.diff(lowest_points(motion.robot, motion.soles_ref))[:, 0]
+    return np.asarray((motion.support == Support.DOUBLE) & (np.abs(rise) > CONTACT_TOLERANCE))
 
 
 def joint_position(motion: Motion) -> Check:
@@ -206,11 +212,10 @@ def contact_forces(motion: Motion, body: WholeBodyMotion) -> list[Check]:
 
     What is missing is told in parts of the weight.
     """
-    uneven = (motion.support == Support.DOUBLE) & is_uneven(motion.soles_ref)
-    samples = np.flatnonzero(uneven)
+    samples = np.flatnonzero(is_uneven(motion))
     if not len(samples):
         return []
-    corners = _corners_in_world(motion, body.soles)[samples].reshape(len(samples), 8, 3)
+    corners = corners_of_soles(motion.robot, body.soles)[samples].reshape(len(samples), 8, 3)
     missing = missing_wrenches(corners, body.wrench[samples]) / (GRAVITY * motion.robot.mass)
     i = int(np.argmax(missing))
     worst = float(missing[i])
@@ -249,33 +254,18 @@ def _self_collision(motion: Motion, progress: Progress | None, step: int) -> Che
     return Check("self_collision", False, 1.0, 0.0, "contacts", found[0] * motion.dt, found[1])
 
 
-def _corners_in_world(motion: Motion, soles: Array) -> Array:
-    """Corners (N, 2, 4, 3) of both soles."""
-    R = rotations_from_quat_xyzw(soles[..., 3:])
-    corners = np.empty((motion.n_samples, 2, 4, 3))
-    for side in Side:
-        spec = motion.robot.sole_spec(side)
-        local = np.zeros((4, 3))
-        local[:, :2] = sole_corners(np.zeros(3), spec.length, spec.width)
-        corners[:, side] = soles[:, side, None, :3] + np.einsum("nij,cj->nci", R[:, side], local)
-    return corners
-
-
-def _in_support(motion: Motion) -> NDArray[np.bool_]:
-    """Whether each sole (N, 2) is in support."""
-    support = motion.support[:, None]
-    return (support == Support.DOUBLE) | (support == np.array([Support.LEFT, Support.RIGHT]))
-
-
 def _sole_still(motion: Motion, corners: Array) -> Check:
-    """Farthest that a corner of a sole moves while its sole is in support."""
-    in_support = _in_support(motion)
+    """Farthest that a corner of a sole moves while it bears."""
     travel = np.zeros((motion.n_samples, 2))
     for side in Side:
-        for start, end in spans(in_support[:, side]):
-            if in_support[start, side]:
-                moved = corners[start:end, side] - corners[start, side]
-                travel[start:end, side] = np.linalg.norm(moved, axis=-1).max(axis=-1)
+        planned = corners_of_soles(motion.robot, motion.soles_ref)
+        bears = on_ground(planned)[:, side] & in_support(motion.support)[:, side, None]
+        for corner in range(4):
+            path = corners[:, side, corner]
+            for start, end in spans(bears[:, corner]):
+                if bears[start, corner]:
+                    moved = np.linalg.norm(path[start:end] - path[start], axis=-1)
+                    travel[start:end, side] = np.maximum(travel[start:end, side], moved)
     return _worst_side(motion, "sole_still", travel, CONTACT_TOLERANCE, "m")
 
 
@@ -286,8 +276,11 @@ def _sole_ground(motion: Motion, corners: Array) -> Check:
 
 
 def _sole_contact(motion: Motion, corners: Array) -> Check:
-    above = corners[..., 2].max(axis=-1) - ground_below(motion.scene.boxes, corners[..., :2])
-    height = np.where(_in_support(motion), np.maximum(above, 0.0), 0.0)
+    """Highest corner, of those that bear by the plan, of a sole in support."""
+    above = corners[..., 2] - ground_below(motion.scene.boxes, corners[..., :2])[..., None]
+    bears = on_ground(corners_of_soles(motion.robot, motion.soles_ref))
+    bears &= in_support(motion.support)[..., None]
+    height = np.where(bears, np.maximum(above, 0.0), 0.0).max(axis=-1)
     return _worst_side(motion, "sole_contact", height, CONTACT_TOLERANCE, "m above ground")
 
 

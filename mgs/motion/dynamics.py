@@ -107,7 +107,12 @@ def differentiate(robot: Robot, q: Array, dt: float) -> tuple[Array, Array]:
 
 
 def analyse(
-    robot: Robot, q: Array, dt: float, load_left: Array, payload: Array | None = None
+    robot: Robot,
+    q: Array,
+    dt: float,
+    load_left: Array,
+    payload: Array | None = None,
+    pressure: Array | None = None,
 ) -> WholeBodyMotion:
     """Kinematics, multibody ZMP and joint torques along q (N, 7 + n).
 
@@ -116,6 +121,10 @@ def analyse(
     the ZMP. On soles of unequal height it lies between them, nearer to the one that carries more. A
     `payload` (N, 2) of point masses in the hands [kg] counts in ZMP and torques; the CoM stays the
     robot's own.
+
+    Centres of pressure (N, 2, 3) that are planned [m] take the place of the centres of the soles.
+    The load on them is then shared as the place of the ZMP between them says, since a sole that
+    rolls over its edge can bear nowhere else.
     """
     v, a = differentiate(robot, q, dt)
     com, frames = _kinematics(robot, q)
@@ -123,9 +132,13 @@ def analyse(
     if payload is not None:
         forces += _payload_forces(robot, q, frames[:, 2:4, :3], dt, payload)
     wrench = _base_wrench_in_world(q, forces[:, :FLOATING_BASE_NV])
-    height = load_left * frames[:, 0, 2] + (1.0 - load_left) * frames[:, 1, 2]
-    zmp = zmp_at(wrench, height)
-    contacts = share_wrench(wrench, zmp, frames[:, :2, :3], load_left)
+    ground = lowest_points(robot, frames[:, :2])
+    zmp = zmp_at(wrench, load_left * ground[:, 0] + (1.0 - load_left) * ground[:, 1])
+    if pressure is None:
+        pressure = frames[:, :2, :3]
+    else:
+        load_left = _load_between(zmp, pressure, load_left)
+    contacts = share_wrench(wrench, zmp, pressure, load_left)
     torque = forces[:, FLOATING_BASE_NV:].copy()
     del forces  # of a long walk these arrays are the most memory that is taken
     torque -= _contact_torques(robot, q, contacts)
@@ -187,8 +200,31 @@ def zmp_at(wrench: Array, height: Array) -> Array:
     return np.column_stack([x, y]) / wrench[:, 2:3]
 
 
+def lowest_points(robot: Robot, soles: Array) -> Array:
+    """Heights (N, 2) of the lowest points of soles at poses (N, 2, 7) [m]."""
+    drop = np.empty(soles.shape[:-1])
+    for side in Side:
+        x, y, z, w = soles[:, side, 3:].T
+        spec = robot.sole_spec(side)
+        forward, across = 2.0 * np.abs(x * z - y * w), 2.0 * np.abs(y * z + x * w)
+        drop[:, side] = 0.5 * (spec.length * forward + spec.width * across)
+    return np.asarray(soles[..., 2] - drop)
+
+
+def _load_between(zmp: Array, pressure: Array, load_left: Array) -> Array:
+    """Share (N,) of the left sole: where the ZMP is between the centres of pressure (N, 2, 3).
+
+    Where one sole bears alone by `load_left` (N,) it does so here.
+    """
+    right = pressure[:, Side.RIGHT, :2]
+    way = pressure[:, Side.LEFT, :2] - right
+    part = np.sum((zmp - right) * way, axis=1) / np.sum(way**2, axis=1)
+    both = (load_left > 0.0) & (load_left < 1.0)
+    return np.where(both, np.clip(part, 0.0, 1.0), load_left)
+
+
 def share_wrench(wrench: Array, zmp: Array, soles: Array, load_left: Array) -> Array:
-    """Contact wrenches (N, 2, 6) about the world origin on the soles at (N, 2, 3)."""
+    """Contact wrenches (N, 2, 6) about the world origin on the soles, which bear at (N, 2, 3)."""
     share = np.stack([load_left, 1.0 - load_left], axis=1)[..., None]  # (N, 2, 1)
     shift = zmp - np.sum(share * soles[..., :2], axis=1)
     pressure = soles.copy()

@@ -2,6 +2,7 @@
 
 from mgs.motion_planner.motion_plan import (
     BalancePlan,
+    FootRoll,
     KeyframePlan,
     MotionPlan,
     Phase,
@@ -13,6 +14,7 @@ from mgs.motion_planner.scaling import for_robot
 
 __all__ = [
     "BalancePlan",
+    "FootRoll",
     "KeyframePlan",
     "MotionPlan",
     "Phase",

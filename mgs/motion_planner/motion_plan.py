@@ -54,6 +54,15 @@ class LegReach:
     __repr__ = short_repr
 
 
+@dataclass(frozen=True)
+class FootRoll:
+    """How far soles turn about their toes before lift-off and about their heels after landing."""
+
+    toe_off: float  # pitch at lift-off of the longest step [rad]
+    heel_strike: float  # pitch at touch-down of the longest step, toes up [rad]
+    sole_lengths: tuple[float, float]  # of the left and right sole [m]
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CommonPlan:
     """What every plan has."""
@@ -77,6 +86,7 @@ class WalkPlan(CommonPlan):
     step_height: float  # [m]
     swing_profile: SwingProfile = "minimum_jerk"
     landing: float = 0.0  # last part of a single support, in which the sole comes straight down
+    roll: FootRoll | None = None  # None: the soles stay level
     com_height: float  # above the ground [m]
     zmp_offset: tuple[float, float]  # forward and inward of the sole's centre [m]
     zmp_travel: float = 0.0  # from heel to toe in each single support [m]

@@ -16,7 +16,7 @@ from mgs.motion_planner.motion_plan import LegReach
 from mgs.robot import Robot, midpoint_width
 from mgs.robot.limbs import arm_joints, hip_to_ankle_length, leg_joints
 
-STRETCH = 0.97  # part of the length of a straight leg that is used
+STRETCH = 0.97  # part of the length of a straight leg that is used where the gait gives none
 MIN_ARM_JOINTS = 3  # with fewer joints an arm cannot move its hand in all three directions
 
 
@@ -49,8 +49,11 @@ def feet_abreast(robot: Robot, width: float | None = None) -> tuple[Footstep, Fo
     return left, right
 
 
-def leg_reach(robot: Robot) -> LegReach:
-    """Hips and ankles in the half-sitting posture, and how far apart a leg lets them be."""
+def leg_reach(robot: Robot, stretch: float) -> LegReach:
+    """Hips and ankles in the half-sitting posture, and how far apart a leg lets them be.
+
+    `stretch` is the part of the length of a straight leg that is used.
+    """
     model, data = robot.model, robot.model.createData()
     pin.framesForwardKinematics(model, data, robot.standing_q)
     com = pin.centerOfMass(model, data, robot.standing_q, False).copy()
@@ -59,4 +62,4 @@ def leg_reach(robot: Robot) -> LegReach:
         hip, *_, ankle = leg_joints(robot, side)
         hips[side] = data.oMi[hip].translation - com
         ankles[side] = data.oMf[robot.sole_frames[side]].actInv(data.oMi[ankle].translation)
-    return LegReach(hips, ankles, STRETCH * hip_to_ankle_length(robot))
+    return LegReach(hips, ankles, stretch * hip_to_ankle_length(robot))

@@ -13,9 +13,9 @@ from mgs.core.scene import PLACE, Box, Scene, is_crowded
 from mgs.gait import WalkGait, WalkParameters
 from mgs.motion_planner.footsteps import first_support_of, plan_footsteps
 from mgs.motion_planner.goal import StepLimits
-from mgs.motion_planner.motion_plan import Phase, WalkPlan
+from mgs.motion_planner.motion_plan import FootRoll, LegReach, Phase, WalkPlan
 from mgs.motion_planner.phases import Duration, phase_bounds, step_phases
-from mgs.motion_planner.standing import leg_reach, standing_figures
+from mgs.motion_planner.standing import STRETCH, leg_reach, standing_figures
 from mgs.motion_planner.terrain import (
     SwingParameters,
     corners_of,
@@ -63,6 +63,7 @@ def plan_walk(robot: Robot, gait: WalkGait) -> WalkPlan:
         step_height=walk.step_height,
         swing_profile=walk.swing_profile,
         landing=walk.landing,
+        roll=_foot_roll(robot, walk),
         com_height=walk.com_height or float(rest.com[2]),
         zmp_offset=(walk.zmp_offset[0], walk.zmp_offset[1]),
         zmp_travel=walk.zmp_travel,
@@ -70,8 +71,28 @@ def plan_walk(robot: Robot, gait: WalkGait) -> WalkPlan:
         arm_swing=walk.arm_swing,
         hands_held=walk.hands == "held",
         torso=rest.torso,
-        reach=leg_reach(robot) if boxes else None,
+        reach=_reach(robot, walk),
     )
+
+
+def _foot_roll(robot: Robot, walk: WalkParameters) -> FootRoll | None:
+    """How soles roll over heels and toes; None: they stay level."""
+    asked = walk.foot_roll
+    if asked is None or asked.toe_off == asked.heel_strike == 0.0:
+        return None
+    if walk.boxes:
+        raise ConfigError(
+            "walk.foot_roll", "soles roll on level ground only; leave out walk.foot_roll or boxes"
+        )
+    left, right = (robot.sole_spec(side).length for side in Side)
+    return FootRoll(asked.toe_off, asked.heel_strike, (left, right))
+
+
+def _reach(robot: Robot, walk: WalkParameters) -> LegReach | None:
+    """Bound of the CoM's height; None: the height is as asked."""
+    if walk.leg_stretch is None and not walk.boxes:
+        return None
+    return leg_reach(robot, walk.leg_stretch or STRETCH)
 
 
 def _step_limits(robot: Robot, walk: WalkParameters, width: float) -> StepLimits:

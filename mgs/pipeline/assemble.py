@@ -19,7 +19,7 @@ from mgs.trajectory_planner import TaskTrajectory
 def whole_body(robot: Robot, tasks: TaskTrajectory, joints: JointTrajectory) -> WholeBodyMotion:
     """What the whole robot does when its joints follow a trajectory, the support soles in place."""
     q = place_on_soles(robot, joints.angles, tasks.root, tasks.soles)
-    return analyse(robot, q, tasks.dt, tasks.load_left, tasks.payload)
+    return analyse(robot, q, tasks.dt, tasks.load_left, tasks.payload, tasks.pressure)
 
 
 def assemble(

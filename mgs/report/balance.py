@@ -6,12 +6,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from mgs.core.arrays import Array
-from mgs.core.contact import Support
-from mgs.core.spans import spans
 from mgs.motion import Motion
 from mgs.report.canvas import BLACK, GREEN, PURPLE
 from mgs.report.panels import Band, Line, Panel, draw_panels, shade_single_support
-from mgs.robot.support_polygon import support_polygon
+from mgs.robot.support_polygon import support_polygon, support_spans
 
 MM = 1e3  # millimetres per metre
 
@@ -44,8 +42,9 @@ def support_bounds(motion: Motion) -> Array:
     both bounds of a coordinate; the bounding box of the polygon would not show this.
     """
     bounds = np.empty((motion.n_samples, 2, 2))
-    for start, end in spans(motion.support):
-        polygon = support_polygon(motion.robot, motion.soles[start], Support(motion.support[start]))
+    for span in support_spans(motion.robot, motion.soles, motion.support):
+        start, end = span.start, span.end
+        polygon = support_polygon(motion.robot, motion.soles[start], span.support, span.bears)
         for axis in (0, 1):
             level = motion.zmp[start:end, 1 - axis]
             bounds[start:end, axis] = section(polygon, level, axis)

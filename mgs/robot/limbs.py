@@ -15,6 +15,7 @@ from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NV
 from mgs.core.contact import Side
 from mgs.robot.robot import Robot
+from mgs.robot.urdf_text import joint_axis
 
 Mask = NDArray[np.bool_]
 
@@ -83,11 +84,35 @@ def leg_length(robot: Robot) -> float:
 
 
 def hip_to_ankle_length(robot: Robot) -> float:
-    """Length of the shorter stretched leg from the first to the last of its joints [m].
+    """Largest distance from the first joint of a leg to its last one, of the shorter leg [m].
 
-    The ankle can be no farther from the hip: what bounds the height of the CoM on stairs.
+    The knee is stretched and the other joints are as in the half-sitting posture. This is what
+    bounds the height of the CoM.
     """
-    return min(stretched_length(robot.model, leg_joints(robot, side)) for side in Side)
+    data = robot.model.createData()
+    pin.forwardKinematics(robot.model, data, robot.standing_q)
+    return min(_stretched_knee(robot.model, data, leg_joints(robot, side)) for side in Side)
+
+
+def _stretched_knee(model: pin.Model, data: pin.Data, joints: list[int]) -> float:
+    """Largest distance of the first joint from the last one that the knee between them allows [m].
+
+    The ankle moves on a circle about the axis of the knee. Seen along this axis hip, knee and ankle
+    are in line where they are farthest apart. The knee is the joint that changes the distance most.
+    """
+    hip, ankle = (data.oMi[joint].translation for joint in (joints[0], joints[-1]))
+    most, longest = -1.0, 0.0
+    for joint in joints[1:-1]:
+        axis = data.oMi[joint].rotation @ joint_axis(model, joint)
+        along, across = [], []
+        for point in (hip, ankle):
+            arm = point - data.oMi[joint].translation
+            along.append(float(arm @ axis))
+            across.append(float(np.linalg.norm(arm - along[-1] * axis)))
+        if across[0] * across[1] > most:
+            most = across[0] * across[1]
+            longest = math.hypot(sum(across), along[0] - along[1])
+    return longest
 
 
 def midpoint_width(robot: Robot) -> float:

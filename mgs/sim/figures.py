@@ -85,7 +85,7 @@ def figures_of(motion: Motion, recording: Recording) -> dict[str, Any]:
         **_travel_figures(motion, soles),
         **_joint_figures(q - q_plan),
         **_effort_figures(motion, recording),
-        **_slip_figures(soles[:fall], motion.support[recording.plan[:fall]], motion.dt),
+        **_slip_figures(motion, soles[:fall], recording.plan[:fall]),
     }
 
 
@@ -121,10 +121,10 @@ def _effort_figures(motion: Motion, recording: Recording) -> dict[str, Any]:
     }
 
 
-def _slip_figures(soles: Array, support: NDArray[np.int8], dt: float) -> dict[str, Any]:
-    slip = largest_slip(soles, support, dt)
+def _slip_figures(motion: Motion, soles: Array, plan: NDArray[np.intp]) -> dict[str, Any]:
+    slip = largest_slip(soles, motion.soles_ref[plan], motion.support[plan], motion.dt)
     return {
         "sole_slip_max": slip.distance,
         "sole_slip_side": None if slip.side is None else slip.side.label,
-        "sole_slip_time": None if slip.sample is None else slip.sample * dt,
+        "sole_slip_time": None if slip.sample is None else slip.sample * motion.dt,
     }

@@ -25,8 +25,8 @@ class Slip:
     sample: int | None = None
 
 
-def largest_slip(soles: Array, support: NDArray[np.int8], dt: float) -> Slip:
-    """Slip of soles (M, 2, 7) under the planned support (M,).
+def largest_slip(soles: Array, planned: Array, support: NDArray[np.int8], dt: float) -> Slip:
+    """Slip of soles (M, 2, 7) against their planned poses (M, 2, 7) under the planned support (M,).
 
     A phase is measured from shortly after its planned beginning to shortly before its planned end,
     because touchdown and take-off come a little early or late in physics.
@@ -39,7 +39,8 @@ def largest_slip(soles: Array, support: NDArray[np.int8], dt: float) -> Slip:
             start, end = start + margin, end - margin
             if end <= start:
                 continue
-            path = soles[start:end, side, :2] - soles[start, side, :2]
+            away = soles[start:end, side, :2] - planned[start:end, side, :2]
+            path = away - away[0]  # the centre of a sole that rolls moves by plan
             lengths = np.linalg.norm(path, axis=1)
             k = int(lengths.argmax())
             if lengths[k] > worst.distance:

@@ -38,6 +38,8 @@ class TaskTrajectory:
     com: Array | None = None  # (N, 3) CoM asked for [m]; None: stage 3 derives it from the ZMP
     start: Array | None = None  # (n,) joint angles at the start [rad]; None: half-sitting
     posture: PreferredPosture | None = None  # None: half-sitting at every sample, no joint held
+    # (N, 2, 3) planned centres of pressure of both soles [m]; None: the centres of the soles
+    pressure: Array | None = None
     payload: Array | None = None  # (N, 2) masses in the hands [kg]; None: no payload
 
     __repr__ = short_repr

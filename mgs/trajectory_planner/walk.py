@@ -8,7 +8,8 @@ from mgs.core.arrays import Array
 from mgs.core.contact import Side, Support
 from mgs.core.geometry import quat_multiply, quat_xyzw_from_yaw, quintic, rotate_planar
 from mgs.motion_planner import Phase, WalkPlan
-from mgs.trajectory_planner.com_height import height_within_reach
+from mgs.trajectory_planner.com_height import height_within_reach, pendulum_above
+from mgs.trajectory_planner.foot_roll import rolled_soles, sole_pitch
 from mgs.trajectory_planner.swing import sole_paths
 from mgs.trajectory_planner.task_trajectory import TaskTrajectory
 from mgs.trajectory_planner.zmp import plan_zmp
@@ -18,28 +19,36 @@ def plan_walk_trajectories(plan: WalkPlan) -> TaskTrajectory:
     """Trajectories of a walk, of stairs or of a kick."""
     lengths = [phase.end - phase.start for phase in plan.phases]
     planar, height = sole_paths(plan)
-    zmp, load_left = plan_zmp(plan)
+    zmp, load_left, pressure = plan_zmp(plan)
+    soles = _sole_poses(planar, height)
+    root = np.repeat(np.array(_roots(plan.phases), np.int8), lengths)
+    if plan.roll is not None:
+        pitch = sole_pitch(plan)
+        soles = rolled_soles(plan.roll, planar, height, pitch)
+        rolling = pitch[np.arange(len(root)), root] != 0.0
+        root = np.where(rolling, 1 - root, root).astype(np.int8)  # the other one is level then
     heading = planar[..., 2].mean(axis=1)
     return TaskTrajectory(
         dt=plan.dt,
         support=np.repeat(np.array([phase.support for phase in plan.phases], np.int8), lengths),
-        root=np.repeat(np.array(_roots(plan.phases), np.int8), lengths),
+        root=root,
         zmp_ref=zmp,
         load_left=load_left,
-        soles=_sole_poses(planar, height),
+        soles=soles,
+        pressure=pressure if plan.roll is not None else None,
         hands=_hands(plan, planar, heading),
-        com_height=_com_height(plan, zmp, planar, height),
+        com_height=_com_height(plan, zmp, soles, heading),
         torso=quat_multiply(quat_xyzw_from_yaw(heading), plan.torso),
     )
 
 
-def _com_height(plan: WalkPlan, zmp: Array, planar: Array, height: Array) -> Array:
+def _com_height(plan: WalkPlan, zmp: Array, soles: Array, heading: Array) -> Array:
     """Height (N,) of the CoM above the ground below it, as far as the legs reach [m]."""
     asked = plan.com_height + _level(plan)
     if plan.reach is None:
         return asked
-    soles = np.concatenate([planar, height[..., None]], axis=-1)
-    return height_within_reach(asked, zmp, soles, planar[..., 2].mean(axis=1), plan.reach, plan.dt)
+    com = pendulum_above(zmp, plan.com_height, plan.dt)
+    return height_within_reach(asked, com, soles, heading, plan.reach, plan.dt)
 
 
 def _level(plan: WalkPlan) -> Array:

@@ -12,22 +12,35 @@ from mgs.core.arrays import Array
 from mgs.core.contact import Side, Support
 from mgs.core.geometry import quintic, rotate_planar
 from mgs.motion_planner import Phase, WalkPlan
+from mgs.trajectory_planner.foot_roll import edge_ways
 
 
-def plan_zmp(plan: WalkPlan) -> tuple[Array, Array]:
-    """ZMP reference (N, 2) [m] and share (N,) of the weight on the left sole."""
+def plan_zmp(plan: WalkPlan) -> tuple[Array, Array, Array]:
+    """ZMP reference (N, 2) [m], share (N,) of the weight on the left sole, centres of pressure.
+
+    The centres of pressure (N, 2, 3) [m] of the soles are those between which the ZMP moves.
+    """
     zmp, load_left = np.empty((plan.n_samples, 2)), np.empty(plan.n_samples)
+    pressure = np.empty((plan.n_samples, 2, 3))
     load = 0.5  # at rest each sole carries half of the weight
     earlier, later = [None, *plan.phases[:-1]], [*plan.phases[1:], None]
-    for phase, before, following in zip(plan.phases, earlier, later, strict=True):
+    for i, (phase, before, following) in enumerate(zip(plan.phases, earlier, later, strict=True)):
         span, n = slice(phase.start, phase.end), phase.end - phase.start
         blend = quintic(np.arange(n) / n)
         target = _load_at_end(plan, phase, following, load)
         load_left[span] = load + (target - load) * blend
-        left, right = (_zmp_way(plan, side, phase, before, following, blend) for side in Side)
+        for side in Side:
+            place = _place_in_sole(plan, side, phase, before, following, blend)
+            if plan.roll is not None and phase.support is Support.DOUBLE:
+                place = _on_edge(place, edge_ways(plan, side, i), plan.roll.sole_lengths[side])
+            footstep = plan.footsteps[phase.feet[side]]
+            turned = rotate_planar(place, footstep.yaw)
+            pressure[span, side, :2] = np.array([footstep.x, footstep.y]) + turned
+            pressure[span, side, 2] = footstep.z
+        left, right = pressure[span, Side.LEFT, :2], pressure[span, Side.RIGHT, :2]
         zmp[span] = right + load_left[span, None] * (left - right)
         load = target
-    return zmp, load_left
+    return zmp, load_left, pressure
 
 
 def _load_at_end(plan: WalkPlan, phase: Phase, following: Phase | None, load: float) -> float:
@@ -39,7 +52,7 @@ def _load_at_end(plan: WalkPlan, phase: Phase, following: Phase | None, load: fl
     return 1.0 if following.support is Support.LEFT else 0.0
 
 
-def _zmp_way(
+def _place_in_sole(
     plan: WalkPlan,
     side: Side,
     phase: Phase,
@@ -49,18 +62,29 @@ def _zmp_way(
 ) -> Array:
     """Place of the ZMP if one sole carried the whole weight: (2,), or (k, 2) with travel [m].
 
+    From the centre of the sole, in its axes.
+
     It travels from heel to toe in single support. In double support it stays at the toe of a sole
     that has just carried the robot, at the heel of one that is about to carry it, and in the middle
     of a sole at rest.
     """
-    footstep, (forward, inward) = plan.footsteps[phase.feet[side]], plan.zmp_offset
+    forward, inward = plan.zmp_offset
     place = np.array([forward, -side.sign * inward])
     if plan.zmp_travel:
         begin, end = _travelled(side, phase, before, following)
         along = np.zeros((len(blend), 2))
         along[:, 0] = begin + (end - begin) * blend
         place = place + plan.zmp_travel * along
-    return np.array([footstep.x, footstep.y]) + rotate_planar(place, footstep.yaw)
+    return place
+
+
+def _on_edge(place: Array, way: Array | None, length: float) -> Array:
+    """Places (k, 2) in a sole of some length that go to its edges by ways (k,); see `edge_ways`."""
+    if way is None:
+        return place
+    place = np.broadcast_to(place, (len(way), 2)).copy()
+    place[:, 0] += np.abs(way) * (np.sign(way) * 0.5 * length - place[:, 0])
+    return place
 
 
 def _travelled(

@@ -10,9 +10,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from mgs.core.contact import Side, Support
+from mgs.gait import load_gait
 from mgs.ik_solver.tree.support_tree import build_support_tree
 from mgs.motion.dynamics import analyse, differentiate, place_on_soles
 from mgs.pipeline import Stages
+from mgs.pipeline.stages import run_stages
 from mgs.robot import Robot
 
 GRAVITY = 9.81
@@ -245,3 +247,38 @@ def test_a_payload_counts_as_a_body_added_to_the_hand(any_robot: Robot):
     without = analyse(any_robot, q, DT, np.ones(len(q)))
     assert_allclose(body.com, without.com, atol=0.0)
     assert np.abs(body.torque - without.torque).max() > 0.02 * scale
+
+
+def test_planned_centres_of_pressure_bear_what_the_zmp_between_them_says(melson: Robot):
+    """Oracle: RNEA with the wrenches of two forces at given points, shared by the lever arms."""
+    walk = run_stages(melson, load_gait("melson/walk_rolling"))
+    tasks, motion = walk.tasks, walk.motion
+    double = tasks.support == Support.DOUBLE
+    k = int(np.flatnonzero(double & (tasks.load_left > 0.3) & (tasks.load_left < 0.7))[40])
+    span = slice(k - 1, k + 2)
+    body = analyse(
+        melson, motion.q[span], motion.dt, tasks.load_left[span], None, tasks.pressure[span]
+    )
+    left, right = tasks.pressure[k]
+    way = (left - right)[:2]
+    share = float((body.zmp[1] - right[:2]) @ way / (way @ way))
+    beside = body.zmp[1] - (right[:2] + share * way)  # across the line between both points
+    model, data = melson.model, melson.model.createData()
+    forces = [pin.Force.Zero() for _ in range(model.njoints)]
+    q = motion.q[k]
+    pin.framesForwardKinematics(model, data, q)
+    free = body.wrench[1, 5]
+    wrenches = []
+    for part, point in ((share, left), (1.0 - share, right)):
+        force = part * body.wrench[1, :3]
+        moment = np.cross(point + [*beside, 0.0], force)
+        free -= moment[2]
+        wrenches.append((part, force, moment))
+    for side, (part, force, moment) in zip(Side, wrenches, strict=True):
+        joint = model.frames[melson.sole_frames[side]].parentJoint
+        world = pin.Force(force, moment + [0.0, 0.0, part * free])
+        forces[joint] = data.oMi[joint].actInv(world)
+    a = body.a[1].copy()
+    torque = pin.rnea(model, data, q, body.v[1], a, forces)[6:] + melson.armature * a[6:]
+    assert_allclose(body.torque[1], torque, atol=1e-9)
+    assert 0.0 < share < 1.0

@@ -26,9 +26,9 @@ def test_slip_counts_only_while_the_plan_says_support():
     support[40:60] = Support.LEFT
     soles[40:60, Side.RIGHT, 0] = np.linspace(0.0, 0.3, 20)
     soles[60:, Side.RIGHT, 0] = 0.3
-    assert largest_slip(soles, support, DT).distance == 0.0
+    assert largest_slip(soles, resting(100), support, DT).distance == 0.0
     soles[50:, Side.LEFT, 1] += 0.004
-    slip = largest_slip(soles, support, DT)
+    slip = largest_slip(soles, resting(100), support, DT)
     assert slip.distance == pytest.approx(0.004)
     assert (slip.side, slip.sample) == (Side.LEFT, 50)
 
@@ -39,13 +39,13 @@ def test_slip_leaves_touchdown_and_take_off_out():
     soles[:39, Side.RIGHT, 0] = 0.0
     soles[39:61, Side.RIGHT, 0] = 0.02  # lifts a sample early and lands a sample late
     soles[61:, Side.RIGHT, 0] = 0.04
-    assert largest_slip(soles, support, DT).distance == 0.0
+    assert largest_slip(soles, resting(100), support, DT).distance == 0.0
 
 
 def test_slip_within_one_phase_is_the_farthest_point_of_the_path():
     soles, support = resting(100), np.full(100, Support.DOUBLE, dtype=np.int8)
     soles[:, Side.RIGHT, 0] = 0.01 * np.sin(np.linspace(0.0, 2.0 * np.pi, 100))
-    slip = largest_slip(soles, support, DT)
+    slip = largest_slip(soles, resting(100), support, DT)
     # measured from 20 ms in, at the other side of the swing
     assert slip.distance == pytest.approx(0.01 + 0.01 * np.sin(2.0 * np.pi * 2 / 99), rel=0.01)
 

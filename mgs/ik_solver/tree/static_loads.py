@@ -70,6 +70,8 @@ class StaticLoads:
         samples, other = np.arange(tasks.n_samples), 1 - tasks.root
         load = self.wrench[:, 2] / self.weight
         self._free = (load > LEAST_LOAD) & (load < 1.0 - LEAST_LOAD)
+        if tasks.pressure is not None:  # a sole that rolls bears on an edge, not on a rectangle
+            self._free[:] = False
         self._moves = np.zeros((tasks.n_samples, 6, 5))  # columns: fx, fy, mx, my, mz at the sole
         self._moves[:, [0, 1, 3, 4, 5], range(5)] = 1.0
         p = tasks.soles[samples, other, :3]
@@ -126,7 +128,8 @@ def shared_wrenches(weight: float, tasks: TaskTrajectory, com: Array) -> Array:
     total = np.zeros((len(com), 6))
     total[:, 2] = weight
     total[:, 3], total[:, 4] = weight * com[:, 1], -weight * com[:, 0]
-    return share_wrench(total, com[:, :2], tasks.soles[..., :3], tasks.load_left)
+    places = tasks.soles[..., :3] if tasks.pressure is None else tasks.pressure
+    return share_wrench(total, com[:, :2], places, tasks.load_left)
 
 
 def motion_cross(wrench: Array) -> Array:

@@ -19,14 +19,14 @@ from numpy.typing import NDArray
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV, GRAVITY
 from mgs.core.contact import Support
-from mgs.core.spans import spans
 from mgs.judge.motion_checks import zmp_margins
 from mgs.motion import Motion
+from mgs.motion.dynamics import lowest_points
 from mgs.motion.energy import energy_of, positive_power
 from mgs.motion_file.transforms import link_tree
 from mgs.report.page.arrays import packed, packed_codes
 from mgs.robot import Robot
-from mgs.robot.support_polygon import support_polygon
+from mgs.robot.support_polygon import support_polygon, support_spans
 
 MOST_SAMPLES = 16_000
 
@@ -133,13 +133,13 @@ def ground_data(motion: Motion) -> dict[str, Any]:
 
 
 def _polygons(motion: Motion) -> list[dict[str, Any]]:
-    """Support polygon of each phase: its start [s], its height and its corners [m]."""
+    """Each support polygon: its start [s], its height and its corners [m]."""
     found = []
-    for start, _ in spans(motion.support):
-        support = Support(motion.support[start])
-        corners = support_polygon(motion.robot, motion.soles[start], support)
-        height = float(motion.soles[start, list(support.sides), 2].mean())
-        entry = {"t": start * motion.dt, "z": round(height, 5), "points": _rounded(corners)}
+    for span in support_spans(motion.robot, motion.soles, motion.support):
+        soles, sides = motion.soles[span.start], list(span.support.sides)
+        corners = support_polygon(motion.robot, soles, span.support, span.bears)
+        height = float(lowest_points(motion.robot, soles[None])[0, sides].mean())
+        entry = {"t": span.start * motion.dt, "z": round(height, 5), "points": _rounded(corners)}
         found.append(entry)
     return found
 

@@ -7,15 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mgs.core.constants import CONTACT_TOLERANCE
 from mgs.core.errors import ConfigError
 from mgs.core.progress import Progress
 from mgs.core.short_repr import short_repr
 from mgs.judge.motion_checks import zmp_margins
 from mgs.motion import Motion
-from mgs.motion.dynamics import analyse
+from mgs.motion.dynamics import analyse, lowest_points
 from mgs.motion.energy import energy_of
 from mgs.motion.joint_load import lasting_torque, step_speeds
 from mgs.motion.provenance import Optimisation
+from mgs.robot.support_polygon import in_support
 from mgs.search.whole_body.problem import Problem, Weights, bearing
 from mgs.search.whole_body.solve import NO_VIOLATION, Solution, solve
 
@@ -117,10 +119,18 @@ def refuse_unfit(motion: Motion) -> None:
         why = "is of a robot with coupled joints"
     elif motion.payload is not None:
         why = "carries a payload"
+    elif _rolls(motion):
+        why = "rolls over its heels and toes"
     elif motion.n_samples < LEAST_SAMPLES:
         why = f"has {motion.n_samples} samples, fewer than {LEAST_SAMPLES}"
     if why:
         raise ConfigError(motion.gait_name, f"{why}; such a motion cannot be optimised")
+
+
+def _rolls(motion: Motion) -> bool:
+    """Whether a sole is in support that is not level."""
+    tilt = motion.soles_ref[..., 2] - lowest_points(motion.robot, motion.soles_ref)
+    return bool(np.any(tilt[in_support(motion.support)] > CONTACT_TOLERANCE))
 
 
 def figures_of(motion: Motion) -> Figures:

@@ -1,0 +1,127 @@
+"""Rolling feet: heels that rise before lift-off, and soles that land on their heels.
+
+In the first third of a double support the sole that has landed comes down about its heel; then the
+other one rises about its toe. So at every time one sole is level, and inverse kinematics starts
+from it. In the air the sole turns level again, and raises its toe as it gets ahead. It turns about
+the edge that touches the ground before or after, so that its lowest point is as high as a level
+sole would be.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mgs.core.arrays import Array
+from mgs.core.contact import Side
+from mgs.core.geometry import quat_multiply, quat_xyzw_from_yaw, quintic, rotate_planar
+from mgs.motion_planner import FootRoll, Phase, WalkPlan
+
+LANDING_SHARE = 1.0 / 3.0  # of a double support, in which the sole that has landed comes down
+LEVEL_AT = 0.4  # of the time to get above the footstep, at which a swing sole is level
+NO_ROLL = 1e-3  # [rad]; a sole that turns by less stays level
+
+
+def sole_pitch(plan: WalkPlan) -> Array:
+    """Pitch (N, 2) of the soles [rad]: positive while the heel is up, negative with the toe up."""
+    pitch = np.zeros((plan.n_samples, 2))
+    if plan.roll is None:
+        return pitch
+    for i, phase in enumerate(plan.phases):
+        if phase.target is None:
+            continue
+        side = plan.footsteps[phase.target].side
+        before, after = plan.phases[i - 1], plan.phases[i + 1]
+        toe_off, heel_strike = roll_of(plan, phase)
+        rise, land = _turn(before), _turn(after)
+        lift, touch = phase.start, phase.end
+        way = round((1.0 - plan.landing) * (touch - lift))
+        level, toe_up = lift + round(LEVEL_AT * way), lift + way
+        pitch[rise:lift, side] += toe_off * _blend(lift - rise)
+        pitch[lift:level, side] += toe_off * (1.0 - _blend(level - lift))
+        pitch[level:toe_up, side] -= heel_strike * _blend(toe_up - level)
+        pitch[toe_up:touch, side] = -heel_strike
+        pitch[touch:land, side] -= heel_strike * (1.0 - _blend(land - touch))
+    return pitch
+
+
+def roll_of(plan: WalkPlan, phase: Phase) -> tuple[float, float]:
+    """Pitch of a swing sole at lift-off and, with the opposite sign, at touch-down [rad].
+
+    Both are in proportion to how far the sole is behind, or ahead of, the one that stands: the
+    first step has no toe-off, and the step that closes the feet has no heel strike.
+    """
+    longest = max((way for p in plan.phases for way in _apart(plan, p)), default=0.0)
+    if plan.roll is None or longest <= 0.0:
+        return 0.0, 0.0
+    behind, ahead = _apart(plan, phase)
+    toe_off = plan.roll.toe_off * max(behind, 0.0) / longest
+    heel_strike = plan.roll.heel_strike * max(ahead, 0.0) / longest
+    return (
+        toe_off if toe_off > NO_ROLL else 0.0,
+        heel_strike if heel_strike > NO_ROLL else 0.0,
+    )
+
+
+def rolled_soles(roll: FootRoll, planar: Array, height: Array, pitch: Array) -> Array:
+    """Poses (N, 2, 7) of soles that turn about their toes or heels.
+
+    Args:
+        roll: says how long the soles are.
+        planar: x, y [m] and yaw [rad] (N, 2, 3) of the soles, were they level.
+        height: (N, 2) of their lowest point [m].
+        pitch: (N, 2) [rad].
+    """
+    half = 0.5 * np.array(roll.sole_lengths)
+    edge = np.sign(pitch) * half  # about which the sole turns, ahead of its centre
+    poses = np.empty((*pitch.shape, 7))
+    ahead = np.stack([edge * (1.0 - np.cos(pitch)), np.zeros_like(pitch)], axis=-1)
+    poses[..., :2] = planar[..., :2] + rotate_planar(ahead, planar[..., 2])
+    poses[..., 2] = height + edge * np.sin(pitch)
+    tilt = np.zeros((*pitch.shape, 4))
+    tilt[..., 1], tilt[..., 3] = np.sin(0.5 * pitch), np.cos(0.5 * pitch)
+    poses[..., 3:] = quat_multiply(quat_xyzw_from_yaw(planar[..., 2]), tilt)
+    return poses
+
+
+def edge_ways(plan: WalkPlan, side: Side, i: int) -> Array | None:
+    """Ways (k,) of the centre of pressure of a sole in double support `i`; None: the sole is level.
+
+    They are forward of the sole's centre as a part of its half length, 1 at the toe and -1 at the
+    heel, and NaN where the pressure is free. Before the heel rises the pressure goes to the toe;
+    after the toe has come down it leaves the heel.
+    """
+    phase = plan.phases[i]
+    n, down = phase.end - phase.start, _turn(phase) - phase.start
+    before = plan.phases[i - 1] if i else None
+    after = plan.phases[i + 1] if i + 1 < len(plan.phases) else None
+    if before is not None and _swings(plan, before, side) and roll_of(plan, before)[1]:
+        return np.concatenate([-np.ones(down), _blend(n - down) - 1.0])
+    if after is not None and _swings(plan, after, side) and roll_of(plan, after)[0]:
+        return np.concatenate([_blend(down), np.ones(n - down)])
+    return None
+
+
+def _swings(plan: WalkPlan, phase: Phase, side: Side) -> bool:
+    return phase.target is not None and plan.footsteps[phase.target].side is side
+
+
+def _apart(plan: WalkPlan, phase: Phase) -> tuple[float, float]:
+    """How far the swing sole is behind the standing one at first, and ahead of it at last [m]."""
+    if phase.target is None:
+        return 0.0, 0.0
+    target = plan.footsteps[phase.target]
+    stand, start = (plan.footsteps[phase.feet[s]] for s in (target.side.other, target.side))
+    ways = [
+        rotate_planar(np.array([b.x - a.x, b.y - a.y]), -stand.yaw)[0]
+        for a, b in ((start, stand), (stand, target))
+    ]
+    return float(ways[0]), float(ways[1])
+
+
+def _turn(phase: Phase) -> int:
+    """Sample of a double support at which one sole has come down and the other begins to rise."""
+    return phase.start + round(LANDING_SHARE * (phase.end - phase.start))
+
+
+def _blend(n: int) -> Array:
+    return quintic(np.arange(n) / n)
