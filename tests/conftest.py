@@ -57,3 +57,13 @@ def shipped_sequence(request: pytest.FixtureRequest) -> Motion:
 def shipped_walk(request: pytest.FixtureRequest) -> Generated:
     """Those shipped gaits that are walks."""
     return generated(request.param)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Make cases slow that `slow_if` names: in `make test` the other cases stand for them."""
+    for item in items:
+        marker = item.get_closest_marker("slow_if")
+        case = item.name.partition("[")[2].rstrip("]").split("-")
+        if marker is not None and not set(marker.args).isdisjoint(case):
+            item.add_marker(pytest.mark.slow)

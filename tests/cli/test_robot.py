@@ -75,6 +75,7 @@ def test_show_lists_every_joint():
         for path in sorted(MELSON.parent.glob("*/robot.yaml"))
     ],
 )
+@pytest.mark.slow_if("coman")
 def test_every_shipped_robot_is_sound(name: str):
     result = run("robot", "check", name, "--json")
     assert result.exit_code == 0

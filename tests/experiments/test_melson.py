@@ -329,6 +329,7 @@ def test_figures_show_the_runs(study: Study) -> None:
         np.testing.assert_allclose(np.asarray(line.get_ydata()), expected)
 
 
+@pytest.mark.slow
 def test_run_writes_every_figure(
     study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -100,6 +100,7 @@ def test_gravity_torques_of_motors_are_derivatives_of_the_potential_energy(nao: 
 
 
 @pytest.mark.parametrize("motion", MOTIONS, indirect=True)
+@pytest.mark.slow_if("turn")
 def test_the_equality_of_coupled_joints_holds_in_the_file(motion: Motion, tmp_path: Path):
     read = mgs.read_motion(mgs.write_motion(motion, tmp_path / "motion.mcap"))
     left, right = (read.robot.joint_names.index(f"{s}HipYawPitch") for s in "LR")
@@ -114,10 +115,12 @@ def test_the_equality_of_coupled_joints_holds_in_the_file(motion: Motion, tmp_pa
 
 
 @pytest.mark.parametrize("motion", MOTIONS, indirect=True)
+@pytest.mark.slow_if("turn")
 def test_its_motions_pass_the_static_checks(motion: Motion):
     assert [check.name for check in check_motion(motion) if not check.ok] == []
 
 
+@pytest.mark.slow
 def test_motors_do_the_work_that_the_energy_of_the_robot_shows(turn: Motion):
     """In single support no other force works, so that motor power is the rate of the energy."""
     walk, robot, data = turn, turn.robot, turn.robot.model.createData()
@@ -158,6 +161,7 @@ def test_solvers_that_move_every_joint_by_itself_say_so(nao: Robot, solver: str)
 
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("motion", MOTIONS, indirect=True)
+@pytest.mark.slow_if("walk", "turn")
 def test_it_stays_up_in_physics(motion: Motion, engine: EngineName):
     verdict = mgs.validate(motion, physics=engine)
     assert verdict.passed, str(verdict)

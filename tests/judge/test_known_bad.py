@@ -219,6 +219,7 @@ def test_a_bad_motion_fails_exactly_its_own_check(name: str, good: Motion, tmp_p
 @pytest.mark.parametrize("servo", ["ideal", "model"])
 @pytest.mark.parametrize("engine", available_engines())
 @pytest.mark.parametrize("name", ["com_off", "weak_servo"])
+@pytest.mark.slow_if("pybullet")
 def test_a_motion_that_falls_is_reported_as_fallen(
     name: str, engine: str, servo: str, good: Motion, tmp_path: Path
 ) -> None:

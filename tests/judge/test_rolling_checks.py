@@ -51,4 +51,6 @@ def test_behind_the_edge_of_a_sole_that_rolls_nothing_bears(rolling: Motion):
     middle = np.broadcast_to(rolling.soles[start, rear, :2], (rolling.n_samples, 2))
     margins = zmp_margins(rolling, middle)
     assert margins[start] > 0.0
-    assert margins[end] == pytest.approx(-0.5 * rolling.robot.sole_spec(Side(rear)).length, abs=1e-3)
+    assert margins[end] == pytest.approx(
+        -0.5 * rolling.robot.sole_spec(Side(rear)).length, abs=1e-3
+    )

@@ -77,6 +77,7 @@ def without_physics(motion: Motion) -> Verdict:
         ),
     ],
 )
+@pytest.mark.slow_if("arguments1", "arguments5")
 def test_the_verdict_is_that_of_the_command(
     walk: Motion, tmp_path: Path, options: tuple[str, ...], arguments: dict[str, Any]
 ):

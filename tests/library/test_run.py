@@ -294,6 +294,7 @@ def deadly(address: str, plugin: Deadly) -> Iterator[None]:
             client.unregister_worker_plugin("deadly")
 
 
+@pytest.mark.slow
 def test_a_gait_that_kills_its_worker_twice_is_lost_and_the_others_are_made(
     plan: Plan, made: Made, address: str, tmp_path: Path
 ):

@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import psutil
+import pytest
 
 ROOT = Path(__file__).parents[2]
 PLUG_IN = '''
@@ -48,6 +49,7 @@ def install(folder: Path) -> None:
     (info / "entry_points.txt").write_text("[mgs.ik_solvers]\nhanging = hanging_ik:HangingIk\n")
 
 
+@pytest.mark.slow
 def test_a_gait_that_hangs_is_lost_and_the_others_are_made(tmp_path: Path) -> None:
     """It is tried twice, since its worker might have died of something else."""
     install(tmp_path / "site")

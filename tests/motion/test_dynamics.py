@@ -271,12 +271,12 @@ def test_planned_centres_of_pressure_bear_what_the_zmp_between_them_says(melson:
     wrenches = []
     for part, point in ((share, left), (1.0 - share, right)):
         force = part * body.wrench[1, :3]
-        moment = np.cross(point + [*beside, 0.0], force)
+        moment = np.cross(point + np.array([*beside, 0.0]), force)
         free -= moment[2]
         wrenches.append((part, force, moment))
     for side, (part, force, moment) in zip(Side, wrenches, strict=True):
         joint = model.frames[melson.sole_frames[side]].parentJoint
-        world = pin.Force(force, moment + [0.0, 0.0, part * free])
+        world = pin.Force(force, moment + np.array([0.0, 0.0, part * free]))
         forces[joint] = data.oMi[joint].actInv(world)
     a = body.a[1].copy()
     torque = pin.rnea(model, data, q, body.v[1], a, forces)[6:] + melson.armature * a[6:]

@@ -20,6 +20,7 @@ from tests.support.strategies import pick_up_gait
 
 
 @pytest.mark.parametrize("servo", ["ideal", pytest.param("model", marks=pytest.mark.slow)])
+@pytest.mark.slow_if("pybullet")
 def test_the_hand_of_melson_is_at_the_object_and_the_robot_stays_up(
     melson: Robot, engine_name: EngineName, servo: str
 ):

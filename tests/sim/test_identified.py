@@ -127,6 +127,7 @@ def test_the_equations_are_those_of_the_reference(name, trajectory):
 
 @pytest.mark.parametrize("trajectory", GOALS)
 @pytest.mark.parametrize("name", LOADS)
+@pytest.mark.slow_if("xl330")
 def test_a_pendulum_moves_as_the_reference_does(engine_name, name, trajectory):
     """Within 1 % of the amplitude; PyBullet has no rotors, there the pendulum bears the rotor.
 
@@ -256,6 +257,7 @@ def test_both_engines_agree_on_a_robot_with_dry_friction(melson):
     np.testing.assert_allclose(np.degrees(ends[0] - ends[1]), 0.0, atol=1.0)
 
 
+@pytest.mark.slow_if("pybullet")
 def test_servos_with_and_without_load_friction_stand_side_by_side(engine_name, melson):
     text = melson.yaml.replace("friction: 0.05}", "friction_model: bam/xl330}", 1)
     robot = build_robot(text, melson.urdf, "mixed")

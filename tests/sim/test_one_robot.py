@@ -48,6 +48,7 @@ def unit(walk: Motion) -> Unit:
 
 
 @pytest.mark.parametrize("feed_forward", [False, True])
+@pytest.mark.slow_if("True")
 def test_corrected_commands_bring_the_joints_near_the_plan(
     walk: Motion, unit: Unit, feed_forward: bool
 ):
@@ -72,6 +73,7 @@ def test_corrected_commands_bring_the_joints_near_the_plan(
 
 
 @pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
+@pytest.mark.slow_if("pybullet")
 def test_zeros_and_scales_alone_are_corrected_completely(
     walk: Motion, unit: Unit, engine: EngineName
 ):

@@ -156,6 +156,7 @@ def test_a_standing_robot_sags_by_torque_over_stiffness(engine_name, melson):
     assert np.degrees(np.abs(sag).max()) > 0.15
 
 
+@pytest.mark.slow_if("pybullet")
 def test_twice_the_sag_lets_a_robot_give_way_twice_as_far(engine_name, melson):
     errors = [
         replay(
@@ -166,6 +167,7 @@ def test_twice_the_sag_lets_a_robot_give_way_twice_as_far(engine_name, melson):
     assert errors[1] == pytest.approx(2.0 * errors[0], rel=0.1)
 
 
+@pytest.mark.slow_if("pybullet")
 def test_a_draw_multiplies_the_sag(engine_name, melson):
     motion = standing(melson, 0.3)
     softer = dataclasses.replace(nominal(melson), sag=2.0)

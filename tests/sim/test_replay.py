@@ -105,6 +105,7 @@ def test_another_process_gives_the_same_figures(engine_name, melson):
     assert json.loads(done.stdout) == json.loads(json.dumps(here))
 
 
+@pytest.mark.slow_if("pybullet")
 def test_the_verdict_holds_at_half_the_step_and_twice_the_iterations(engine_name, melson):
     motion, default = side_to_side(melson, 0.02, 1.0), DEFAULTS[engine_name]
     finer = dataclasses.replace(default, dt=default.dt / 2)

@@ -88,6 +88,7 @@ def test_a_strike_is_measured_as_it_happened():
 
 
 @pytest.mark.parametrize("servo", ["ideal", "model"])
+@pytest.mark.slow_if("pybullet")
 def test_melson_strikes_the_ball_as_asked_and_stays_up(engine_name, servo):
     motion = generated("melson/kick").stages.motion
     ball = motion.scene.balls[0]
@@ -100,6 +101,7 @@ def test_melson_strikes_the_ball_as_asked_and_stays_up(engine_name, servo):
     assert abs(strike.direction_error_deg) < 10.0
 
 
+@pytest.mark.slow_if("pybullet")
 def test_a_kick_to_the_side_sends_the_ball_there(engine_name, melson):
     gait = load_gait("melson/kick", ("kick.direction=0.3", "kick.foot=left"))
     result = replay(run_stages(melson, gait).motion, engine_name)

@@ -81,7 +81,9 @@ def test_what_touches_the_ground_stays_and_nothing_is_below_it(
 
 def test_the_longest_step_rolls_as_far_as_asked_and_the_ends_do_not():
     tasks = plan_trajectories(plan_motion(COMAN, rolling_walk(landing=0.0)))
-    up = np.array([[pin.XYZQUATToSE3(pose).rotation[2, 0] for pose in both] for both in tasks.soles])
+    up = np.array(
+        [[pin.XYZQUATToSE3(pose).rotation[2, 0] for pose in both] for both in tasks.soles]
+    )
     pitch = -np.arcsin(up)  # (N, 2): turning about y to the left lowers the toe
     lifts = np.flatnonzero(np.diff(tasks.support.astype(int)) != 0) + 1
     found = []
@@ -130,7 +132,7 @@ def test_support_polygons_are_hulls_of_what_bears():
 
 
 def test_a_pendulum_above_its_zmp_follows_the_equation():
-    """c - c'' / omega^2 = p, by finite differences of a smooth ZMP; at rest c = p."""
+    """C - c'' / omega^2 = p, by finite differences of a smooth ZMP; at rest c = p."""
     dt, height = 1e-3, 0.5
     t = np.arange(0.0, 4.0, dt)
     zmp = np.column_stack([0.1 * np.tanh(4.0 * (t - 2.0)), np.full_like(t, 0.03)])

@@ -12,6 +12,7 @@ DOCS = ROOT / "docs"
 
 
 @pytest.mark.parametrize("name", ["index", "tutorials/servos", "tutorials/library", "terminal"])
+@pytest.mark.slow_if("tutorials/servos", "tutorials/library")
 def test_a_page_works_word_by_word(name: str, tmp_path: Path):
     folder = tmp_path / "empty"
     folder.mkdir()

@@ -35,6 +35,7 @@ def load(motion: Motion, fmt: str, path: Path, fps: float | None = None) -> Load
 
 
 @pytest.mark.parametrize("fmt", ["amp", "open-duck"])
+@pytest.mark.slow_if("amp", "open")
 def test_velocities_are_the_derivatives_of_the_places(motion: Motion, fmt: str, tmp_path: Path):
     """Of the root in the world, after the loader has turned them, and of the joints."""
     coarse = load(motion, fmt, tmp_path / "a.json")
