@@ -17,7 +17,7 @@ from mgs.core.constants import GRAVITY
 from mgs.core.contact import Side
 from mgs.core.errors import ConfigError
 from mgs.gait import WalkGait
-from mgs.gait.walk import SwingProfile
+from mgs.gait.walk import FootRollParameters, SwingProfile
 from mgs.motion_planner.phases import MIN_SAMPLES
 from mgs.motion_planner.standing import MIN_ARM_JOINTS, standing_figures
 from mgs.robot import Robot, leg_length, midpoint_width
@@ -27,6 +27,7 @@ from mgs.search.tune.objective import LEAST_CLEARANCE, ObjectiveName
 Value = float | str
 DIGITS = 4  # significant digits of a value that is tried, or of the distance of its bounds
 TIMES = ("walk.single_support", "walk.double_support")  # rounded to whole samples
+FREE_STRETCH = 1.1  # of a leg, with which the CoM keeps its height
 STEP_KEYS = ("walk.step_length", "walk.lateral", "walk.step_yaw")
 
 
@@ -130,13 +131,15 @@ def steady_speed(gait: WalkGait) -> float:
 
 
 def value_at(gait: WalkGait, key: str) -> Any:
-    """Value of a gait at a dotted key.
+    """Value of a gait at a dotted key; None where the block that it belongs to is left out.
 
     Raises:
         ConfigError: there is no such key.
     """
     node: Any = gait.model_dump()
     for part in key.split("."):
+        if node is None:
+            return None
         try:
             node = node[int(part)] if isinstance(node, list) else node[part]
         except (KeyError, IndexError, ValueError, TypeError):
@@ -178,6 +181,7 @@ def make_space(
     Raises:
         ConfigError: an assignment is malformed, a key is unknown, or bounds are not allowed.
     """
+    gait = _with_rolling_feet(gait)
     found = {p.key: p for p in default_parameters(robot, gait, objective)}
     for key, value in (read_assignment(text, "--pin") for text in pins):
         value_at(gait, key)
@@ -201,6 +205,14 @@ def make_space(
         raise ConfigError("--speed", "only a walk with steps forward or sideways has a speed to "
                           "keep, and the objective speed keeps none")  # fmt: skip
     return Space(gait, tuple(found.values()), kept)
+
+
+def _with_rolling_feet(gait: WalkGait) -> WalkGait:
+    """The same gait, with pitches of the soles that are 0 rather than left out."""
+    if gait.walk.boxes or gait.walk.foot_roll is not None:
+        return gait
+    walk = gait.walk.model_copy(update={"foot_roll": FootRollParameters()})
+    return gait.model_copy(update={"walk": walk})
 
 
 def _freed(text: str) -> Parameter:
@@ -245,6 +257,12 @@ def default_parameters(robot: Robot, gait: WalkGait, objective: ObjectiveName) -
         Parameter("walk.zmp_travel", 0.0, 0.3 * sole.length),
         Parameter("com.weight_jerk", 1e-8, 1e-2, log=True),
     ]
+    if not gait.walk.boxes:
+        found += [
+            Parameter("walk.foot_roll.toe_off", 0.0, 0.5),
+            Parameter("walk.foot_roll.heel_strike", 0.0, 0.4),
+            Parameter("walk.leg_stretch", 0.94, FREE_STRETCH, own=FREE_STRETCH),
+        ]
     if not listed:
         found.append(Parameter("walk.step_width", 0.9 * width, 1.15 * width, own=width))
         if objective == "speed":

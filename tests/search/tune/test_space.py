@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 
 from mgs.core.errors import ConfigError
 from mgs.gait import WalkGait, load_gait
+from mgs.gait.walk import FootRollParameters
 from mgs.robot import leg_length, load_robot, midpoint_width
 from mgs.search.tune.objective import LEAST_CLEARANCE, OBJECTIVES
 from mgs.search.tune.space import (
@@ -56,7 +57,10 @@ def test_the_search_begins_with_the_start_gait(objective: str):
             assert start[parameter.key] == value
     assert start["walk.step_width"] == pytest.approx(midpoint_width(MELSON))
     same = found.gait_of(start)
-    assert same.walk.model_copy(update={"com_height": None, "step_width": None}) == WALK.walk
+    assert same.walk.foot_roll == FootRollParameters()  # level soles
+    assert same.walk.leg_stretch > 1.0  # the CoM keeps its height
+    own = dict.fromkeys(("com_height", "step_width", "foot_roll", "leg_stretch"))
+    assert same.walk.model_copy(update=own) == WALK.walk
     assert same.com == WALK.com
 
 
