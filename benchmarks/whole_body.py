@@ -1,6 +1,10 @@
 """What `mgs optimize` saves, and its objective against that of Crocoddyl: docs/optimize.md.
 
     python benchmarks/whole_body.py [--referee PYTHON] [GAIT ...]
+    python benchmarks/whole_body.py --straight [ROBOT_FOLDER ...]
+
+With --straight, walks of COMAN and Melson, and generic/walk of other robot folders, are optimised
+with a weight of the work and replayed in both engines with ideal, modelled and PD servos.
 
 With --referee PYTHON, an interpreter that has Crocoddyl (a virtual environment of its own: `pip
 install crocoddyl==3.2.1 pin==4.0.0`), three problems are also solved by its FDDP: a squat, a sway
@@ -12,6 +16,7 @@ from __future__ import annotations
 import argparse
 import os
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -21,8 +26,13 @@ import pinocchio as pin
 
 import mgs
 from mgs.core.arrays import Array
-from mgs.core.constants import GRAVITY
+from mgs.core.constants import FLOATING_BASE_NQ, GRAVITY
 from mgs.core.contact import Side
+from mgs.core.errors import ConfigError
+from mgs.judge.motion_checks import check_motion
+from mgs.motion import Motion
+from mgs.motion.joint_load import step_speeds
+from mgs.robot.limbs import leg_joints
 from mgs.search.whole_body import Weights, optimise
 from mgs.search.whole_body.dynamics import offsets, soles_of
 from mgs.search.whole_body.problem import Problem, bearing
@@ -33,6 +43,9 @@ PROBLEMS = (("melson", "melson/squat"), ("coman", "coman/sway"), ("melson", "mel
 EVERY = 4  # samples of a motion make one of a problem of the referee
 SCALE = 1e4  # of the objective for Crocoddyl, whose regularisation is absolute
 PENALTY, ITERATIONS = 1e3, 300
+STRAIGHT = (("coman", "coman/walk"), ("melson", "melson/walk_practical"))
+STRAIGHT_WEIGHTS = Weights(work=1.0, distance=0.001)
+ENGINES, SERVOS = ("mujoco", "pybullet"), ("ideal", "model", "pd")
 
 
 def main() -> None:
@@ -41,8 +54,14 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("gaits", nargs="*", default=GAITS)
+    parser.add_argument(
+        "--straight", nargs="*", metavar="ROBOT_FOLDER", help="walks on three robots"
+    )
     parser.add_argument("--referee", type=Path, help="Python interpreter that has Crocoddyl")
     given = parser.parse_args()
+    if given.straight is not None:
+        straight_table([*STRAIGHT, *((folder, "generic/walk") for folder in given.straight)])
+        return
     if given.referee is not None:
         referee_table(given.referee)
     if given.gaits:
@@ -68,6 +87,57 @@ def savings_table(gaits: list[str]) -> None:
             f"{len(found.solution.objective) - 1} | {cpu:.0f} |",
             flush=True,
         )
+
+
+def straight_table(walks: list[tuple[str, str]]) -> None:
+    """Walks before and after, at the same speed on the same floor, and how they are replayed."""
+    print("| walk | knees [deg] | knee torque [N m] | cost of transport | knee speed | replays |")
+    print("| --- | ---: | ---: | ---: | ---: | --- |")
+    for robot, gait in walks:
+        motion = mgs.generate(robot, gait)
+        found = optimise(motion, STRAIGHT_WEIGHTS)
+        before, after = knee_figures(motion), knee_figures(found.motion)
+        angles, speeds = (f"{before[i]:.0f} -> {after[i]:.0f}" for i in (0, 2))
+        costs = [figures.cost_of_transport or 0.0 for figures in (found.before, found.after)]
+        saved = [
+            f"{a:.3g} -> {b:.3g} ({100 * (b / a - 1):+.0f} %)"
+            for a, b in ((before[1], after[1]), costs)
+        ]
+        told = replays(found.motion) + ([] if found.holds else ["a limit is violated"])
+        print(
+            f"| {Path(robot).name}, {gait} | {angles} | {' | '.join(saved)} | {speeds} % | "
+            f"{'; '.join(told)} |",
+            flush=True,
+        )
+
+
+def knee_figures(motion: Motion) -> tuple[float, float, float]:
+    """Mean angle [deg], RMS torque [N m] and largest speed of the knees [% of the limit]."""
+    robot = motion.robot
+    legs = [[joint - 2 for joint in leg_joints(robot, side)] for side in Side]  # 1 is the base
+    knees = [max(leg, key=lambda joint: abs(robot.posture[joint])) for leg in legs]
+    speeds = step_speeds(motion)[:, knees] / robot.speed_limit[knees]
+    return (
+        float(np.degrees(np.abs(motion.q[:, FLOATING_BASE_NQ:][:, knees]).mean())),
+        float(np.sqrt(np.mean(motion.torque[:, knees] ** 2))),
+        100.0 * float(speeds.max()),
+    )
+
+
+def replays(motion: Motion) -> list[str]:
+    """What each engine says with each kind of servos, and static checks that fail."""
+    told = [f"{check.name} fails" for check in check_motion(motion) if not check.ok]
+    for engine in ENGINES:
+        for servo in SERVOS:
+            try:
+                verdict = mgs.validate(motion, physics=engine, servo=servo)
+            except ConfigError:  # no stiffness is known
+                told.append(f"{engine}, {servo}: no model")
+                continue
+            failed = [c.name for c in verdict.checks if not c.ok and c.name.startswith(engine)]
+            told.append(f"{engine}, {servo}: {', '.join(failed) or 'passes'}")
+            print(told[-1], file=sys.stderr, flush=True)
+    return told
 
 
 def referee_table(python: Path) -> None:
