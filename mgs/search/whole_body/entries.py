@@ -23,15 +23,15 @@ class Entries:
     """Entries of a sparse matrix. What falls on column -1 is left out: its unknown is 0."""
 
     n_rows: int = 0
-    rows: list[Places] = field(default_factory=list)
-    columns: list[Places] = field(default_factory=list)
+    rows: list[NDArray[np.int32]] = field(default_factory=list)
+    columns: list[NDArray[np.int32]] = field(default_factory=list)
     values: list[Array] = field(default_factory=list)
 
     def add(self, rows: Places, columns: Places, values: Array) -> None:
         """Values at rows and columns, all of which are broadcast to the shape of the values."""
         chosen = np.broadcast_to(columns >= 0, values.shape)
-        self.rows.append(np.broadcast_to(rows, values.shape)[chosen])
-        self.columns.append(np.broadcast_to(columns, values.shape)[chosen])
+        for places, known in ((rows, self.rows), (columns, self.columns)):
+            known.append(np.broadcast_to(places.astype(np.int32), values.shape)[chosen])
         self.values.append(values[chosen])
 
     def blocks(self, rows: Places, at: Places, values: Array) -> None:
@@ -47,9 +47,10 @@ class Entries:
         return rows
 
     def matrix(self, n_columns: int) -> sp.csc_matrix:
-        """The matrix, with the indices of every column in order."""
+        """The matrix, with the indices of every column in order. The entries are given up."""
         values = np.concatenate(self.values)
         rows, columns = np.concatenate(self.rows), np.concatenate(self.columns)
+        self.values, self.rows, self.columns = [], [], []
         made = sp.csc_matrix((values, (rows, columns)), shape=(self.n_rows, n_columns))
         made.sort_indices()
         return made
