@@ -1,10 +1,11 @@
 """What `mgs optimize` saves, and its objective against that of Crocoddyl: docs/optimize.md.
 
-    python benchmarks/whole_body.py [--referee PYTHON] [GAIT ...]
+    python benchmarks/whole_body.py [--work WEIGHT] [--distance WEIGHT] [GAIT ...]
     python benchmarks/whole_body.py --straight [ROBOT_FOLDER ...]
 
 With --straight, walks of COMAN and Melson, and generic/walk of other robot folders, are optimised
-with a weight of the work and replayed in both engines with ideal, modelled and PD servos.
+with a weight of the work and the ZMP margin of the plan. They are replayed in both engines with
+ideal, modelled and PD servos.
 
 With --referee PYTHON, an interpreter that has Crocoddyl (a virtual environment of its own: `pip
 install crocoddyl==3.2.1 pin==4.0.0`), three problems are also solved by its FDDP: a squat, a sway
@@ -33,9 +34,10 @@ from mgs.judge.motion_checks import check_motion
 from mgs.motion import Motion
 from mgs.motion.joint_load import step_speeds
 from mgs.robot.limbs import leg_joints
-from mgs.search.whole_body import Weights, optimise
+from mgs.search.whole_body import Weights, default_hands, optimise
 from mgs.search.whole_body.dynamics import offsets, soles_of
 from mgs.search.whole_body.problem import Problem, bearing
+from mgs.search.whole_body.run import figures_of
 from mgs.search.whole_body.solve import solve
 
 GAITS = ("melson/walk_practical", "melson/walk_arc", "melson/kick", "coman/walk", "coman/kick")
@@ -58,6 +60,8 @@ def main() -> None:
         "--straight", nargs="*", metavar="ROBOT_FOLDER", help="walks on three robots"
     )
     parser.add_argument("--referee", type=Path, help="Python interpreter that has Crocoddyl")
+    parser.add_argument("--work", type=float, default=0.0, help="weight")
+    parser.add_argument("--distance", type=float, default=0.01, help="weight")
     given = parser.parse_args()
     if given.straight is not None:
         straight_table([*STRAIGHT, *((folder, "generic/walk") for folder in given.straight)])
@@ -65,26 +69,30 @@ def main() -> None:
     if given.referee is not None:
         referee_table(given.referee)
     if given.gaits:
-        savings_table(given.gaits)
+        savings_table(given.gaits, given.work, given.distance)
 
 
-def savings_table(gaits: list[str]) -> None:
+def savings_table(gaits: list[str], work: float, distance: float) -> None:
     """What is saved, for each gait."""
-    print("| motion | samples | RMS torque [N m] | cost of transport | ZMP margin [mm] | steps | CPU [s] |")  # noqa: E501  # fmt: skip
-    print("| --- | ---: | ---: | ---: | ---: | ---: | ---: |")
+    print("| motion | samples | RMS torque [N m] | of the knees | cost of transport | ZMP margin [mm] | steps | CPU [s] |")  # noqa: E501  # fmt: skip
+    print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
     for name in gaits:
         motion = mgs.generate(None, name)
+        weights = Weights(work=work, distance=distance, hands=default_hands(motion))
         start = time.process_time()
-        found = optimise(motion)
+        found = optimise(motion, weights)
         cpu = time.process_time() - start
         a, b = found.before, found.after
+        knees = [knee_figures(each)[1] for each in (motion, found.motion)]
         cost = "" if a.cost_of_transport is None else (
             f"{a.cost_of_transport:.3f} -> {b.cost_of_transport:.3f}")  # fmt: skip
         print(
             f"| {name} | {motion.n_samples} | {a.torque_rms:.3f} -> {b.torque_rms:.3f} "
-            f"({100 * (b.torque_rms / a.torque_rms - 1):+.0f} %) | {cost} | "
+            f"({100 * (b.torque_rms / a.torque_rms - 1):+.0f} %) | "
+            f"{knees[0]:.3f} -> {knees[1]:.3f} | {cost} | "
             f"{1e3 * a.zmp_margin:.1f} -> {1e3 * b.zmp_margin:.1f} | "
-            f"{len(found.solution.objective) - 1} | {cpu:.0f} |",
+            f"{len(found.solution.objective) - 1} | {cpu:.0f} |"
+            + ("" if found.holds else " a limit is violated"),
             flush=True,
         )
 
@@ -95,7 +103,7 @@ def straight_table(walks: list[tuple[str, str]]) -> None:
     print("| --- | ---: | ---: | ---: | ---: | --- |")
     for robot, gait in walks:
         motion = mgs.generate(robot, gait)
-        found = optimise(motion, STRAIGHT_WEIGHTS)
+        found = optimise(motion, STRAIGHT_WEIGHTS, margin=figures_of(motion).zmp_margin)
         before, after = knee_figures(motion), knee_figures(found.motion)
         angles, speeds = (f"{before[i]:.0f} -> {after[i]:.0f}" for i in (0, 2))
         costs = [figures.cost_of_transport or 0.0 for figures in (found.before, found.after)]
