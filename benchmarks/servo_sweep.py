@@ -71,7 +71,7 @@ def main() -> None:
     parser.add_argument("--gaits", nargs="*", help="names; default: all that this page is about")
     parser.add_argument("--required", action="store_true", help="leave out sags of 4 and 8 deg")
     parser.add_argument("--workers", type=int, default=1, help="number of processes")
-    parser.add_argument("--record", type=Path, default=Path("outputs/servo_sweep.json"))
+    parser.add_argument("--record", type=Path, default=Path("benchmarks/servo_sweep.json"))
     parser.add_argument("-o", "--output", type=Path, default=Path("docs/servo_sweep.md"))
     arguments = parser.parse_args()
     every = [name for name in list_gaits() if is_swept(name)]

@@ -245,7 +245,7 @@ class WalkParameters(Model):
         description="Largest distance of an ankle from its hip, as a fraction of that with a "
         "straight knee. The centre of mass is lower than com_height wherever a leg would have to "
         "stretch farther; values above 1 count on a pelvis that turns to help. null: 0.97 with "
-        "boxes, and on level ground the height is kept.",
+        "boxes, and on level ground the height of com_height [m] is kept.",
     )
     com_tolerance: float = Field(
         COM_TOLERANCE,

@@ -208,7 +208,7 @@ def make_space(
 
 
 def _with_rolling_feet(gait: WalkGait) -> WalkGait:
-    """The same gait, with pitches of the soles that are 0 rather than left out."""
+    """Gait that gives pitches of the soles, which are 0 where it leaves them out."""
     if gait.walk.boxes or gait.walk.foot_roll is not None:
         return gait
     walk = gait.walk.model_copy(update={"foot_roll": FootRollParameters()})
