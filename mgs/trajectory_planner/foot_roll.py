@@ -26,12 +26,12 @@ def sole_pitch(plan: WalkPlan) -> Array:
     pitch = np.zeros((plan.n_samples, 2))
     if plan.roll is None:
         return pitch
-    for i, phase in enumerate(plan.phases):
+    for i, (toe_off, heel_strike) in enumerate(rolls_of(plan)):
+        phase = plan.phases[i]
         if phase.target is None:
             continue
         side = plan.footsteps[phase.target].side
         before, after = plan.phases[i - 1], plan.phases[i + 1]
-        toe_off, heel_strike = roll_of(plan, phase)
         rise, land = _turn(before), _turn(after)
         lift, touch = phase.start, phase.end
         way = round((1.0 - plan.landing) * (touch - lift))
@@ -44,22 +44,18 @@ def sole_pitch(plan: WalkPlan) -> Array:
     return pitch
 
 
-def roll_of(plan: WalkPlan, phase: Phase) -> tuple[float, float]:
-    """Pitch of a swing sole at lift-off and, with the opposite sign, at touch-down [rad].
+def rolls_of(plan: WalkPlan) -> Array:
+    """Pitch of the swing sole of each of K phases (K, 2) [rad]: up to lift-off, and at touch-down.
 
-    Both are in proportion to how far the sole is behind, or ahead of, the one that stands: the
-    first step has no toe-off, and the step that closes the feet has no heel strike.
+    The second one, with the toe up, has the opposite sign. Both are in proportion to how far the
+    sole is behind, or ahead of, the one that stands: the first step has no toe-off, and the step
+    that closes the feet has no heel strike.
     """
-    longest = max((way for p in plan.phases for way in _apart(plan, p)), default=0.0)
-    if plan.roll is None or longest <= 0.0:
-        return 0.0, 0.0
-    behind, ahead = _apart(plan, phase)
-    toe_off = plan.roll.toe_off * max(behind, 0.0) / longest
-    heel_strike = plan.roll.heel_strike * max(ahead, 0.0) / longest
-    return (
-        toe_off if toe_off > NO_ROLL else 0.0,
-        heel_strike if heel_strike > NO_ROLL else 0.0,
-    )
+    ways = np.maximum([_apart(plan, phase) for phase in plan.phases], 0.0)
+    if plan.roll is None or not ways.any():
+        return np.zeros_like(ways)
+    rolls = ways / ways.max() * [plan.roll.toe_off, plan.roll.heel_strike]
+    return np.where(rolls > NO_ROLL, rolls, 0.0)
 
 
 def rolled_soles(roll: FootRoll, planar: Array, height: Array, pitch: Array) -> Array:
@@ -83,20 +79,20 @@ def rolled_soles(roll: FootRoll, planar: Array, height: Array, pitch: Array) -> 
     return poses
 
 
-def edge_ways(plan: WalkPlan, side: Side, i: int) -> Array | None:
+def edge_ways(plan: WalkPlan, rolls: Array, side: Side, i: int) -> Array | None:
     """Ways (k,) of the centre of pressure of a sole in double support `i`; None: the sole is level.
 
     They are forward of the sole's centre as a part of its half length, 1 at the toe and -1 at the
     heel, and NaN where the pressure is free. Before the heel rises the pressure goes to the toe;
-    after the toe has come down it leaves the heel.
+    after the toe has come down it leaves the heel. `rolls` is from `rolls_of`.
     """
     phase = plan.phases[i]
     n, down = phase.end - phase.start, _turn(phase) - phase.start
     before = plan.phases[i - 1] if i else None
     after = plan.phases[i + 1] if i + 1 < len(plan.phases) else None
-    if before is not None and _swings(plan, before, side) and roll_of(plan, before)[1]:
+    if before is not None and _swings(plan, before, side) and rolls[i - 1, 1]:
         return np.concatenate([-np.ones(down), _blend(n - down) - 1.0])
-    if after is not None and _swings(plan, after, side) and roll_of(plan, after)[0]:
+    if after is not None and _swings(plan, after, side) and rolls[i + 1, 0]:
         return np.concatenate([_blend(down), np.ones(n - down)])
     return None
 

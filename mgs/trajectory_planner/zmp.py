@@ -12,7 +12,7 @@ from mgs.core.arrays import Array
 from mgs.core.contact import Side, Support
 from mgs.core.geometry import quintic, rotate_planar
 from mgs.motion_planner import Phase, WalkPlan
-from mgs.trajectory_planner.foot_roll import edge_ways
+from mgs.trajectory_planner.foot_roll import edge_ways, rolls_of
 
 
 def plan_zmp(plan: WalkPlan) -> tuple[Array, Array, Array]:
@@ -22,6 +22,7 @@ def plan_zmp(plan: WalkPlan) -> tuple[Array, Array, Array]:
     """
     zmp, load_left = np.empty((plan.n_samples, 2)), np.empty(plan.n_samples)
     pressure = np.empty((plan.n_samples, 2, 3))
+    rolls = rolls_of(plan)
     load = 0.5  # at rest each sole carries half of the weight
     earlier, later = [None, *plan.phases[:-1]], [*plan.phases[1:], None]
     for i, (phase, before, following) in enumerate(zip(plan.phases, earlier, later, strict=True)):
@@ -32,7 +33,9 @@ def plan_zmp(plan: WalkPlan) -> tuple[Array, Array, Array]:
         for side in Side:
             place = _place_in_sole(plan, side, phase, before, following, blend)
             if plan.roll is not None and phase.support is Support.DOUBLE:
-                place = _on_edge(place, edge_ways(plan, side, i), plan.roll.sole_lengths[side])
+                place = _on_edge(
+                    place, edge_ways(plan, rolls, side, i), plan.roll.sole_lengths[side]
+                )
             footstep = plan.footsteps[phase.feet[side]]
             turned = rotate_planar(place, footstep.yaw)
             pressure[span, side, :2] = np.array([footstep.x, footstep.y]) + turned
