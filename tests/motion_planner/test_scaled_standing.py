@@ -101,7 +101,7 @@ def test_lengths_are_multiples_of_the_leg_length(robot: Robot):
     sway = for_robot(load_gait("generic/sway"), robot).balance
     assert sway.channels[0].amplitude == pytest.approx(0.08 * leg)
     pick_up = for_robot(load_gait("generic/pick_up", ("pick_up.payload=0.01",)), robot).pick_up
-    assert pick_up.object == pytest.approx([0.45 * leg, -0.2 * leg, 0.5 * leg])
+    assert pick_up.object == pytest.approx([0.40 * leg, -0.2 * leg, 0.6 * leg])
     assert pick_up.payload == pytest.approx(0.01 * robot.mass)
     assignments = ("kick.height=0.1", "kick.ball.radius=0.2", "kick.ball.mass=0.3", "kick.lift=0.7")
     kick = for_robot(load_gait("generic/kick", assignments), robot).kick
