@@ -94,7 +94,7 @@ def optimize(
 
     Reads FILE.mcap and writes a motion file. It is judged by mgs validate like any other: lower
     torques often mean straighter knees and freer arms. Exit code 1 if the motion that was found
-    violates a limit; the file is written all the same.
+    violates a limit or fails a static check; the file is written all the same.
 
     \b
     Examples:
@@ -123,7 +123,7 @@ def optimize(
         print_json({"file": str(path), **found.to_dict(), "failed_checks": names})
     else:
         _print(found, path, failed)
-    ctx.exit(0 if found.holds else 1)
+    ctx.exit(0 if found.holds and not failed else 1)
 
 
 def _print(found: Optimised, path: Path, failed: list[Check]) -> None:
