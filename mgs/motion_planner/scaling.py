@@ -38,7 +38,8 @@ from mgs.robot.legs import missing_turn
 
 STEP_LENGTH, STEP_HEIGHT, ZMP_TOLERANCE = 0.12, 0.04, 5e-4  # in leg lengths
 SINGLE_SUPPORT, DOUBLE_SUPPORT = 5.0, 2.9  # in sqrt(L / g)
-SWAYING_SINGLE_SUPPORT = 10.0  # of robots whose sway tips the sole
+SWAYING_SINGLE_SUPPORT = 10.0  # of robots whose sway may tip the sole
+SWAY_LIMIT = 0.9  # half widths of the sole: below 1, since no servo is as stiff as its figures say
 QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT = 1.2, 0.5  # of robots that only sway their trunk
 QUICK_PASSES = 8  # passes of the dynamic filter for such robots
 REST = 3.0  # [s] before and after the steps; with less, hips exceed their RMS torque on some robots
@@ -82,7 +83,7 @@ def _walk_sizes(gait: WalkGait, robot: Robot) -> dict[str, Any]:
     length = leg_length(robot)
     time = math.sqrt(length / GRAVITY)
     quick = missing_turn(robot) == "roll"
-    steady = SWAYING_SINGLE_SUPPORT if swing_of_zmp(robot) > 1.0 else SINGLE_SUPPORT
+    steady = SWAYING_SINGLE_SUPPORT if swing_of_zmp(robot) > SWAY_LIMIT else SINGLE_SUPPORT
     single = QUICK_SINGLE_SUPPORT if quick else steady
     double = QUICK_DOUBLE_SUPPORT if quick else DOUBLE_SUPPORT
     return {

@@ -8,6 +8,7 @@
     s.t.  M a_k + h(q_k, v_k) + rotors = S^T tau_k + sum_i J_i^T w_ki     whole-body dynamics
           both soles at their places of the plan, at every sample
           w_ki in the wrench cone of sole i if it bears, else 0
+          vertical forces on both soles together of half of the weight at least
           ranges and speeds of the joints, speed-torque line of the servos
           links that may not touch keep a distance
           the first and the last sample are those of the plan, at rest
@@ -37,6 +38,7 @@ from mgs.robot import Robot, leg_length
 from mgs.search.whole_body.clearance import Clearance
 
 RESERVE = 0.95  # part of the limits of speed and torque that may be used
+LEAST_LOAD = 0.5  # of the weight, on both soles together: with less, little moves the ZMP far
 RANGE_RESERVE = 2e-3  # [rad]
 FIRST_SPEED = 0.03  # [rad/s] of a joint in the first and in the last period
 GENTLE = 3.0  # [rad/s^2] with which joints begin and end to move

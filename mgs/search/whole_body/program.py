@@ -23,7 +23,7 @@ from mgs.core.contact import Side
 from mgs.search.whole_body.clearance import Clearances
 from mgs.search.whole_body.dynamics import JOINTS, Point, Slopes
 from mgs.search.whole_body.entries import Entries, Places, columns_of
-from mgs.search.whole_body.problem import RESERVE, Problem
+from mgs.search.whole_body.problem import LEAST_LOAD, RESERVE, Problem
 from mgs.search.whole_body.unknowns import N_PRESS, Affine, unknowns_of
 
 NEAR_LINE = 0.5  # use of the speed-torque line from which it is part of the program
@@ -142,7 +142,7 @@ class Program:
     def _inequalities(self) -> tuple[Entries, Array, Array]:
         G, low, high = Entries(), [], []
         for limits in (
-            self._cones, self._speeds, self._ranges, self._torques, self._lines,
+            self._cones, self._loads, self._speeds, self._ranges, self._torques, self._lines,
             self._clearances, self._powers,
         ):  # fmt: skip
             least, most = limits(G)
@@ -175,6 +175,14 @@ class Program:
             low.append(limits[0].ravel())
             high.append(limits[1].ravel())
         return np.concatenate(low), np.concatenate(high)
+
+    def _loads(self, G: Entries) -> tuple[Array, Array]:
+        """Rows of the least vertical force on both soles together, in parts of the weight."""
+        units = self.unknowns.wrench_units / (self.problem.robot.mass * GRAVITY)
+        vertical = np.zeros((1, len(units)))
+        vertical[0, [2, 8]] = -units[[2, 8]]
+        every = np.arange(self.problem.n_samples)
+        return self._rows(G, every, self.unknowns.wrench.times(vertical), -LEAST_LOAD)
 
     def _speeds(self, G: Entries) -> tuple[Array, Array]:
         """Rows of the turn of each joint from one sample to the next."""

@@ -24,7 +24,7 @@ from mgs.core.progress import Progress
 from mgs.robot import Robot
 from mgs.search.whole_body.clearance import Clearances
 from mgs.search.whole_body.dynamics import JOINTS, Point, objective, point_at, slopes_at
-from mgs.search.whole_body.problem import RESERVE, Problem
+from mgs.search.whole_body.problem import LEAST_LOAD, RESERVE, Problem
 from mgs.search.whole_body.program import Program, Step
 
 TRUST, WIDER = 0.1, 1.5  # [rad] and [m], and a factor
@@ -41,6 +41,7 @@ class Violations:
     """By how much the worst sample violates each kind of limit, as a part of it, or 0."""
 
     wrench: float  # of m g, in the rows of the cone
+    load: float  # of m g, on both soles together
     range: float  # [rad]
     speed: float
     torque: float
@@ -144,6 +145,7 @@ def _excesses(problem: Problem, point: Point, near: Clearances) -> dict[str, Arr
     q, v = point.q[:, FLOATING_BASE_NQ:], point.v[1:-1, JOINTS]
     excess = {
         "wrench": _out_of_cone(problem, point, problem.cones),
+        "load": LEAST_LOAD - _load(problem, point),
         "range": np.maximum(inside[0] - q, q - inside[1]),
         "speed": (np.abs(v) - problem.speed_limit) / robot.speed_limit,
         "torque": torque_use(robot, point) / RESERVE - 1.0,
@@ -159,6 +161,7 @@ def violations(problem: Problem, point: Point) -> Violations:
     near = problem.clearance.along(point.q)
     excess = {
         "wrench": _out_of_cone(problem, point, problem.whole_cones),
+        "load": LEAST_LOAD - _load(problem, point),
         "range": np.maximum(robot.lower - q, q - robot.upper),
         "speed": np.abs(v) / robot.speed_limit - 1.0,
         "torque": torque_use(robot, point) - 1.0,
@@ -173,6 +176,11 @@ def torque_use(robot: Robot, point: Point) -> Array:
     braked = np.abs(point.torque) / robot.torque_limit
     driven = braked + np.abs(speed) / robot.no_load_speed
     return np.where(point.torque * speed > 0.0, driven, braked)
+
+
+def _load(problem: Problem, point: Point) -> Array:
+    """Vertical forces (T,) on both soles together, in parts of the weight."""
+    return point.w[..., 2].sum(axis=1) / (problem.robot.mass * GRAVITY)
 
 
 def _out_of_cone(problem: Problem, point: Point, cones: tuple[Array, Array]) -> Array:
