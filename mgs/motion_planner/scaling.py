@@ -5,8 +5,8 @@ durations to sqrt(L / g): their Froude numbers v^2 / (g L) are equal (R. McN. Al
 of bipedal and quadrupedal animals", Int. J. Robotics Research 3(2), 1984). The factors below give a
 slow walk with a Froude number of 0.0002. On servos that give way a robot sways on one leg; with the
 times of single support that were tried, longer ones let more robots stay up (docs/robots.md). Where
-the sway gets near the edge of the sole (`mgs.motion_planner.sway`) it takes twice the time: the foot
-leaves the ground more slowly and the sway fades.
+the sway gets near the edge of the sole (`mgs.motion_planner.sway`) it takes twice the time: the
+foot leaves the ground more slowly and the sway fades.
 """
 
 from __future__ import annotations
