@@ -26,6 +26,7 @@ FOLDER = Path(__file__).resolve().parent.parent / "docs" / "gallery"
 PICTURES = (
     "melson/walk_to_pose",
     "melson/walk_sideways",
+    "melson/walk_rolling",
     "melson/kick",
     "melson/pick_up",
     "melson/get_up",
