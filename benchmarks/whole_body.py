@@ -1,7 +1,7 @@
 """What `mgs optimize` saves, and its objective against that of Crocoddyl: docs/optimize.md.
 
     python benchmarks/whole_body.py [--work WEIGHT] [--distance WEIGHT] [GAIT ...]
-    python benchmarks/whole_body.py --straight [ROBOT_FOLDER ...]
+    python benchmarks/whole_body.py --straight [ROBOT_FOLDER ...] [--distance WEIGHT]
 
 With --straight, walks of COMAN and Melson, and generic/walk of other robot folders, are optimised
 with a weight of the work and the ZMP margin of the plan. They are replayed in both engines with
@@ -46,7 +46,7 @@ EVERY = 4  # samples of a motion make one of a problem of the referee
 SCALE = 1e4  # of the objective for Crocoddyl, whose regularisation is absolute
 PENALTY, ITERATIONS = 1e3, 300
 STRAIGHT = (("coman", "coman/walk"), ("melson", "melson/walk_practical"))
-STRAIGHT_WEIGHTS = Weights(work=1.0, distance=0.001)
+STRAIGHT_DISTANCE = 0.001
 ENGINES, SERVOS = ("mujoco", "pybullet"), ("ideal", "model", "pd")
 
 
@@ -61,15 +61,18 @@ def main() -> None:
     )
     parser.add_argument("--referee", type=Path, help="Python interpreter that has Crocoddyl")
     parser.add_argument("--work", type=float, default=0.0, help="weight")
-    parser.add_argument("--distance", type=float, default=0.01, help="weight")
+    parser.add_argument(
+        "--distance", type=float, help="weight; default: 0.01, or 0.001 with --straight"
+    )
     given = parser.parse_args()
     if given.straight is not None:
-        straight_table([*STRAIGHT, *((folder, "generic/walk") for folder in given.straight)])
+        others = [(folder, "generic/walk") for folder in given.straight]
+        straight_table([*STRAIGHT, *others], given.distance or STRAIGHT_DISTANCE)
         return
     if given.referee is not None:
         referee_table(given.referee)
     if given.gaits:
-        savings_table(given.gaits, given.work, given.distance)
+        savings_table(given.gaits, given.work, given.distance or 0.01)
 
 
 def savings_table(gaits: list[str], work: float, distance: float) -> None:
@@ -97,13 +100,14 @@ def savings_table(gaits: list[str], work: float, distance: float) -> None:
         )
 
 
-def straight_table(walks: list[tuple[str, str]]) -> None:
+def straight_table(walks: list[tuple[str, str]], distance: float) -> None:
     """Walks before and after, at the same speed on the same floor, and how they are replayed."""
     print("| walk | knees [deg] | knee torque [N m] | cost of transport | knee speed | replays |")
     print("| --- | ---: | ---: | ---: | ---: | --- |")
     for robot, gait in walks:
         motion = mgs.generate(robot, gait)
-        found = optimise(motion, STRAIGHT_WEIGHTS, margin=figures_of(motion).zmp_margin)
+        weights = Weights(work=1.0, distance=distance)
+        found = optimise(motion, weights, margin=figures_of(motion).zmp_margin)
         before, after = knee_figures(motion), knee_figures(found.motion)
         angles, speeds = (f"{before[i]:.0f} -> {after[i]:.0f}" for i in (0, 2))
         costs = [figures.cost_of_transport or 0.0 for figures in (found.before, found.after)]

@@ -62,6 +62,7 @@ def own_ticks(walk: Path, angles: np.ndarray, per_turn: float, middle: int) -> n
         ("AX-12", Setting(protocol=1, model=12), 1024 * 360 / 300, 512),
     ],
 )
+@pytest.mark.slow_if("XM430")
 def test_the_servos_receive_the_plan_and_the_log_shows_it(
     tmp_path, walk, model, setting, per_turn, middle
 ):

@@ -92,6 +92,7 @@ def test_servos_are_told_the_plan_at_the_rate_asked_for(tmp_path, series):
 
 
 @pytest.mark.parametrize("series", ["X", "MX-28"])
+@pytest.mark.slow_if("X")
 def test_lost_and_damaged_packets_neither_stop_nor_distort_the_motion(tmp_path, series):
     setting = replace(SERIES[series], servos=tuple(range(1, 21)), lose=0.05, corrupt=0.01)
     with playing(tmp_path, setting) as (simulated, bus, line):
