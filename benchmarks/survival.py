@@ -1,4 +1,4 @@
-"""In how many random replays each shipped walk stays up: docs/survival.md.
+"""In how many random replays each shipped walk stays up.
 
     python benchmarks/survival.py [--gaits NAME ...] [--engines NAME ...] [--servos NAME ...]
                                   [--draws 200] [--record FILE] [-o FILE]
@@ -34,7 +34,7 @@ Record = dict[str, str]  # "+" or "-" for each draw
 HEAD = f"""# Walks under random conditions
 
 `python benchmarks/survival.py` writes this page: how many of {DRAWS} draws each shipped walk of
-Melson and COMAN survives in [`{RANGE}` conditions](robustness.md), with ideal servos and with the
+Melson and COMAN survives in `{RANGE}` conditions (docs/robustness.md), with ideal servos and with the
 modelled ones of robot.yaml (feed-forward). Seed {SEED}; in parentheses the 95 % interval of
 Wilson. Where fewer draws have been made, their number stands behind the one that survives. A walk
 passes a column with {LEAST_RATE:.0%} of the draws.
@@ -50,8 +50,8 @@ def main() -> None:
     parser.add_argument("--engines", nargs="*", help="names; default: all that are installed")
     parser.add_argument("--servos", nargs="*", default=list(SERVOS), help="ideal, model")
     parser.add_argument("--draws", type=int, default=DRAWS, help="number of draws")
-    parser.add_argument("--record", type=Path, default=Path("benchmarks/survival.json"))
-    parser.add_argument("-o", "--output", type=Path, default=Path("docs/survival.md"))
+    parser.add_argument("--record", type=Path, default=Path("outputs/survival.json"))
+    parser.add_argument("-o", "--output", type=Path, default=Path("outputs/survival.md"))
     arguments = parser.parse_args()
     every = [name for name in list_gaits() if is_drawn(name)]
     path: Path = arguments.record
