@@ -34,8 +34,8 @@ Record = dict[str, str]  # "+" or "-" for each draw
 HEAD = f"""# Walks under random conditions
 
 `python benchmarks/survival.py` writes this page: how many of {DRAWS} draws each shipped walk of
-Melson and COMAN survives in `{RANGE}` conditions (docs/robustness.md), with ideal servos and with the
-modelled ones of robot.yaml (feed-forward). Seed {SEED}; in parentheses the 95 % interval of
+Melson and COMAN survives in `{RANGE}` conditions (docs/robustness.md), with ideal servos and with
+the modelled ones of robot.yaml (feed-forward). Seed {SEED}; in parentheses the 95 % interval of
 Wilson. Where fewer draws have been made, their number stands behind the one that survives. A walk
 passes a column with {LEAST_RATE:.0%} of the draws.
 """
