@@ -1,7 +1,9 @@
 """The height of the CoM: as high as asked, and as low as the legs need.
 
-The hips are assumed to stand above the CoM as they do at rest. Where the CoM will be is estimated
-from the reference of the ZMP: of a linear inverted pendulum of constant height,
+The hips are assumed to stand above the CoM as they do at rest. Over boxes the ZMP stands for the
+CoM: when the rear foot is about to lift off, the CoM is less far ahead of it, so that the legs need
+less length than assumed. On level ground the CoM is estimated from the reference of the ZMP: of a
+linear inverted pendulum of constant height,
 
     c - c'' / omega^2 = p        omega^2 = g / com_height
 
