@@ -72,8 +72,8 @@ class GoalParameters(Model):
 class FootRollParameters(Model):
     """Rolling feet: heels rise before lift-off, and soles land on their heels.
 
-    Angles are those of the longest step forward; shorter steps roll less, in proportion. Each roll
-    takes half of a double support phase.
+    Angles are those of the longest step forward; shorter steps roll less, in proportion. In the
+    first third of a double support phase the front sole comes down, then the rear heel rises.
     """
 
     toe_off: float = Field(

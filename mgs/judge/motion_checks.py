@@ -24,10 +24,7 @@ from mgs.core.constants import (
     ROTATION_TOLERANCE,
 )
 from mgs.core.contact import Side, Support
-from mgs.core.geometry import (
-    polygon_margins,
-    rotation_angles,
-)
+from mgs.core.geometry import polygon_margins, rotation_angles
 from mgs.core.progress import Progress
 from mgs.core.scene import ground_below
 from mgs.core.spans import spans
@@ -92,7 +89,7 @@ def check_motion(
             _self_collision(motion, progress, collision_step),
             _rest(motion, speed),
         ]
-    corners = corners_of_soles(motion.robot, body.soles)
+    corners, bears = corners_of_soles(motion.robot, body.soles), _bearing_corners(motion)
     checks = [
         joint_position(motion),
         _joint_speed(motion, speed),
@@ -102,9 +99,9 @@ def check_motion(
         *contact_forces(motion, body),
         *yaw_friction(motion, body),
         _self_collision(motion, progress, collision_step),
-        _sole_still(motion, corners),
+        _sole_still(motion, corners, bears),
         _sole_ground(motion, corners),
-        _sole_contact(motion, corners),
+        _sole_contact(motion, corners, bears),
         _sole_position(motion, body),
         _sole_rotation(motion, body),
         _hand_position(motion, body),
@@ -254,16 +251,20 @@ def _self_collision(motion: Motion, progress: Progress | None, step: int) -> Che
     return Check("self_collision", False, 1.0, 0.0, "contacts", found[0] * motion.dt, found[1])
 
 
-def _sole_still(motion: Motion, corners: Array) -> Check:
+def _bearing_corners(motion: Motion) -> NDArray[np.bool_]:
+    """Whether each corner of each sole (N, 2, 4) bears by the plan."""
+    planned = corners_of_soles(motion.robot, motion.soles_ref)
+    return on_ground(planned) & in_support(motion.support)[..., None]
+
+
+def _sole_still(motion: Motion, corners: Array, bears: NDArray[np.bool_]) -> Check:
     """Farthest that a corner of a sole moves while it bears."""
     travel = np.zeros((motion.n_samples, 2))
     for side in Side:
-        planned = corners_of_soles(motion.robot, motion.soles_ref)
-        bears = on_ground(planned)[:, side] & in_support(motion.support)[:, side, None]
         for corner in range(4):
             path = corners[:, side, corner]
-            for start, end in spans(bears[:, corner]):
-                if bears[start, corner]:
+            for start, end in spans(bears[:, side, corner]):
+                if bears[start, side, corner]:
                     moved = np.linalg.norm(path[start:end] - path[start], axis=-1)
                     travel[start:end, side] = np.maximum(travel[start:end, side], moved)
     return _worst_side(motion, "sole_still", travel, CONTACT_TOLERANCE, "m")
@@ -275,11 +276,9 @@ def _sole_ground(motion: Motion, corners: Array) -> Check:
     return _worst_side(motion, "sole_ground", depth, CONTACT_TOLERANCE, "m below ground")
 
 
-def _sole_contact(motion: Motion, corners: Array) -> Check:
+def _sole_contact(motion: Motion, corners: Array, bears: NDArray[np.bool_]) -> Check:
     """Highest corner, of those that bear by the plan, of a sole in support."""
     above = corners[..., 2] - ground_below(motion.scene.boxes, corners[..., :2])[..., None]
-    bears = on_ground(corners_of_soles(motion.robot, motion.soles_ref))
-    bears &= in_support(motion.support)[..., None]
     height = np.where(bears, np.maximum(above, 0.0), 0.0).max(axis=-1)
     return _worst_side(motion, "sole_contact", height, CONTACT_TOLERANCE, "m above ground")
 

@@ -110,10 +110,11 @@ def fit_walk(
         raise first
     if best.use > 1.0 and (rests := _scaled(RESTS, LONGEST_RESTS, robot, gait, derived)):
         as_tall = {key: x for key, x in best.changes.items() if key != "com_height"}
-        for kept in (best.changes, as_tall)[: 1 + (as_tall != best.changes)]:
+        # on bent knees a robot bears a load at rest too: then its derived height is tried as well
+        for kept in [best.changes, as_tall] if as_tall != best.changes else [as_tall]:
             tried += 1
             rested = _rested(robot, derived, kept | rests, name, progress)
-            if rested is not None:  # bent knees bear a load at rest too
+            if rested is not None:
                 best = rested
                 break
     return best.stages, Fit(best.use, best.limited_by, best.changes, tried)

@@ -35,15 +35,15 @@ def support_polygon(
         support: which of them are in contact.
         bears: (2, 4) corners of the soles that bear where they are in contact; None: the lowest.
     """
-    corners = []
-    bears = on_ground(corners_of_soles(robot, soles)) if bears is None else bears
+    found, corners = corners_of_soles(robot, soles), []
+    bears = on_ground(found) if bears is None else bears
     for side in support.sides:
         pose, sole = soles[side], robot.sole_spec(side)
         if bears[side].all():
             planar = [pose[0], pose[1], float(yaw_from_quat_xyzw(pose[3:]))]
             corners.append(sole_corners(planar, sole.length, sole.width))
         else:
-            corners.append(corners_of_soles(robot, soles)[side, bears[side], :2])
+            corners.append(found[side, bears[side], :2])
     return convex_hull(np.concatenate(corners))
 
 

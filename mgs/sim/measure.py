@@ -26,7 +26,7 @@ class Slip:
 
 
 def largest_slip(soles: Array, planned: Array, support: NDArray[np.int8], dt: float) -> Slip:
-    """Slip of soles (M, 2, 7) against their planned poses (M, 2, 7) under the planned support (M,).
+    """Slip of soles (M, 2, 7) against planned poses (M, 2, 7) under the planned support (M,).
 
     A phase is measured from shortly after its planned beginning to shortly before its planned end,
     because touchdown and take-off come a little early or late in physics.

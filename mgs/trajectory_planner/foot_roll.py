@@ -24,8 +24,6 @@ NO_ROLL = 1e-3  # [rad]; a sole that turns by less stays level
 def sole_pitch(plan: WalkPlan) -> Array:
     """Pitch (N, 2) of the soles [rad]: positive while the heel is up, negative with the toe up."""
     pitch = np.zeros((plan.n_samples, 2))
-    if plan.roll is None:
-        return pitch
     for i, (toe_off, heel_strike) in enumerate(rolls_of(plan)):
         phase = plan.phases[i]
         if phase.target is None:
@@ -83,8 +81,8 @@ def edge_ways(plan: WalkPlan, rolls: Array, side: Side, i: int) -> Array | None:
     """Ways (k,) of the centre of pressure of a sole in double support `i`; None: the sole is level.
 
     They are forward of the sole's centre as a part of its half length, 1 at the toe and -1 at the
-    heel, and NaN where the pressure is free. Before the heel rises the pressure goes to the toe;
-    after the toe has come down it leaves the heel. `rolls` is from `rolls_of`.
+    heel. Before the heel rises the pressure goes to the toe; after the toe has come down it leaves
+    the heel. `rolls` is from `rolls_of`.
     """
     phase = plan.phases[i]
     n, down = phase.end - phase.start, _turn(phase) - phase.start

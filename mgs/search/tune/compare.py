@@ -157,5 +157,7 @@ def gait_text(search: Search, after: Assessment, title: str) -> str:
 
 def _in_words(value: object) -> str:
     if value is None:
-        return "that of the robot"
+        return "null"
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {_in_words(part)}" for name, part in value.items())
     return f"{value:.4g}" if isinstance(value, float) else str(value)
