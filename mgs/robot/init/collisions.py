@@ -2,32 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 import pinocchio as pin
 
+from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ
 from mgs.robot.robot import Robot
 
+Watched = Callable[[str, str], bool]  # whether two links must be kept from touching
 NEARBY, N_NEARBY = 0.25, 40  # [rad] range around the posture, number of random postures
 
 
-def touching_pairs(robot: Robot, watched: set[str]) -> list[tuple[str, str]]:
-    """Pairs of links that touch in the posture, or, unless both are `watched`, near the posture.
+def touching_pairs(robot: Robot, watched: Watched) -> list[tuple[str, str]]:
+    """Pairs of links that touch in the posture, or, unless they are `watched`, near the posture.
 
     Pairs with one link between them are included, because bounding boxes of meshes overlap there,
     for example at an ankle.
     """
     found = set(_across_a_link(robot))
-    rng = np.random.default_rng(0)
-    q = robot.standing_q.copy()
-    found |= set(_touching(robot, q))
-    for _ in range(N_NEARBY):
-        shift = rng.uniform(-NEARBY, NEARBY, robot.n)
-        q[FLOATING_BASE_NQ:] = np.clip(robot.posture + shift, robot.lower, robot.upper)
-        found |= {pair for pair in _touching(robot, q) if not set(pair) <= watched}
+    found |= set(_touching(robot, robot.standing_q))
+    for q in _nearby(robot, range(robot.n)):
+        found |= {pair for pair in _touching(robot, q) if not watched(*pair)}
     return sorted(found)
+
+
+def nearly_touching(robot: Robot, watched: Watched, moving: Iterable[int]) -> list[tuple[str, str]]:
+    """Pairs of `watched` links that touch in the posture, or while the joints `moving` are near it.
+
+    `moving` are places in the joint angles. Pairs with one link between them are left out.
+    """
+    found = {pair for pair in _touching(robot, robot.standing_q) if watched(*pair)}
+    for q in _nearby(robot, moving):
+        found |= {pair for pair in _touching(robot, q) if watched(*pair)}
+    return sorted(found - set(_across_a_link(robot)))
+
+
+def _nearby(robot: Robot, moving: Iterable[int]) -> Iterator[Array]:
+    """Configurations (nq,) with random angles of the joints `moving` near the posture."""
+    rng, at = np.random.default_rng(0), list(moving)
+    q = robot.standing_q.copy()
+    for _ in range(N_NEARBY):
+        near = robot.posture[at] + rng.uniform(-NEARBY, NEARBY, len(at))
+        q[FLOATING_BASE_NQ + np.array(at, dtype=int)] = np.clip(
+            near, robot.lower[at], robot.upper[at]
+        )
+        yield q
 
 
 def _touching(robot: Robot, q: pin.Data) -> Iterator[tuple[str, str]]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 
+from mgs.core.arrays import Array
 from mgs.core.atomic_files import refuse_taken, replace_files
 from mgs.core.contact import Side
 from mgs.core.errors import ConfigError
@@ -16,6 +17,7 @@ from mgs.core.short_text import clipped, shown
 from mgs.robot.build import build_robot
 from mgs.robot.init.anatomy import Anatomy, find_anatomy
 from mgs.robot.init.bodies import clean_shapes, cleaned_urdf, link_names, mended_inertias
+from mgs.robot.init.clearance import kept_apart, with_clear_arms
 from mgs.robot.init.collisions import touching_pairs
 from mgs.robot.init.coupled import free_leg_followers
 from mgs.robot.init.facing import heading
@@ -102,8 +104,15 @@ def _drafted(urdf: Path, name: str | None, package_paths: tuple[Path, ...]) -> D
     efforts = {joint: (found.effort, found.velocity) for joint, found in figures.items()}
     looks = find_looks(skeleton, source.root)
     urdf_text = cleaned_urdf(draft.name, skeleton, links, shapes, looks, inertias, efforts)
+
+    def placed(outward: float) -> tuple[Robot, Array]:
+        q = find_posture(skeleton, anatomy, soles, torque, source.stand, outward).q
+        return build_robot(robot_yaml(replace(draft, q=q)), urdf_text, urdf), q
+
     robot = build_robot(robot_yaml(draft), urdf_text, urdf)
-    draft.ignored.extend(touching_pairs(robot, {draft.links[b] for b in _shins(anatomy)}))
+    robot, q = with_clear_arms(robot, skeleton, anatomy, links, placed, notes)
+    draft = draft if q is None else replace(draft, q=q)
+    draft.ignored.extend(touching_pairs(robot, kept_apart(skeleton, anatomy, links)))
     draft.ignored.extend(_apart(source, skeleton, links, draft.ignored))
     text = robot_yaml(draft)
     return DraftFolder(
@@ -231,8 +240,3 @@ def _refuse_unfit(
             f"a leg has {n} joints ({', '.join(skeleton.name(j) for j in anatomy.legs[0])}); at "
             f"least {LEAST_LEG_JOINTS} are needed to keep a sole level",
         )
-
-
-def _shins(anatomy: Anatomy) -> list[int]:
-    """Joints of the lower half of both legs, whose links must never touch the other leg."""
-    return [joint for leg in anatomy.legs for joint in leg[len(leg) // 2 :]]

@@ -31,7 +31,7 @@ LEG_ROOM = 0.25  # [rad] distance from the limits of leg joints that suffices fo
 HAND_REACH = 0.85  # distance from shoulder to hand, as part of the stretched arm
 STRETCHED = 0.95  # distance from shoulder to hand from which on an arm counts as stretched
 HANGING = 0.8  # least part of that distance that points down
-HAND_DIRECTION = (0.2, 0.2, -0.96)  # forward, outward, up
+HAND_FORWARD, HAND_OUTWARD, HAND_UP = 0.2, 0.2, -0.96  # direction of a hand from its shoulder
 WIDEST_STANCE = 0.35  # largest distance of the soles from each other, as part of the stretched leg
 LEAST_GAP = 0.3  # least gap between narrowed soles, as part of their width
 REST_WEIGHT = 1e-3  # [m/rad] weight of the distance from the posture at rest
@@ -68,12 +68,14 @@ def find_posture(
     soles: tuple[Sole, Sole],
     torque: dict[int, float],
     stand: Mapping[str, float],
+    outward: float | None = None,
 ) -> Posture:
     """Deepest posture with level soles, enough distance from joint limits and enough torque.
 
     If no posture meets all three conditions, they are ranked in this order. `torque` holds the
     torque limit of each joint [N m]. Where the arms hang bent in `stand`, angles of joints by name
-    [rad], they stay like that; the search for the angles of the legs begins at it.
+    [rad], they stay like that, unless `outward` tells how far out the hands go; the search for the
+    angles of the legs begins at `stand`.
     """
     q = skeleton.at_rest.copy()
     for leg in anatomy.legs if stand else ():
@@ -81,8 +83,8 @@ def find_posture(
     for side, arm in enumerate(anatomy.arms or ()):
         if stand:
             _take(skeleton, arm, stand, q)
-        if not stand or not _hangs(skeleton, arm, q):
-            _place_hand(skeleton, arm, 1.0 - 2.0 * side, q)
+        if not stand or outward is not None or not _hangs(skeleton, arm, q):
+            _place_hand(skeleton, arm, (1.0 - 2.0 * side) * (outward or HAND_OUTWARD), q)
     found: list[tuple[tuple[float, float, float], Posture]] = []
     for crouch in CROUCHES:
         posture = _sit(skeleton, anatomy, soles, q.copy(), crouch, WIDEST_STANCE)
@@ -234,7 +236,7 @@ def _place_hand(skeleton: Skeleton, arm: list[int], outward: float, q: Array) ->
     shoulder, hand = skeleton.placements[arm[0]].translation, hand_point(skeleton, arm[-1])
     reach = sum(np.linalg.norm(skeleton.model.jointPlacements[j].translation) for j in arm[1:])
     reach += np.linalg.norm(hand)
-    direction = np.array(HAND_DIRECTION) * [1.0, outward, 1.0]
+    direction = np.array([HAND_FORWARD, outward, HAND_UP])
     target = shoulder + HAND_REACH * float(reach) * direction / np.linalg.norm(direction)
 
     def error(data: pin.Data) -> Array:
