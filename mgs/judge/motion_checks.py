@@ -33,7 +33,7 @@ from mgs.judge.yaw_friction import yaw_moments
 from mgs.motion import Motion
 from mgs.motion.collisions import first_contact
 from mgs.motion.dynamics import WholeBodyMotion, analyse, lowest_points
-from mgs.motion.joint_load import available_torque, lasting_torque, step_speeds
+from mgs.motion.joint_load import available_torque, step_speeds
 from mgs.robot.support_polygon import (
     corners_of_soles,
     in_support,
@@ -176,7 +176,7 @@ def _joint_torque(motion: Motion, body: WholeBodyMotion, torque: Array) -> Check
 def _joint_torque_rms(motion: Motion, torque: Array) -> Check:
     robot = motion.robot
     rms = np.sqrt(np.mean(torque**2, axis=0))
-    allowed = lasting_torque(robot)
+    allowed = robot.lasting_torque
     j = int(np.argmax(rms / allowed))
     return Check(
         "joint_torque_rms",

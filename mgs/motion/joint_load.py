@@ -11,7 +11,6 @@ from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
 from mgs.motion.motion import Motion
 from mgs.robot import Robot, leg_mask
 
-RMS_TORQUE_RATIO = 0.3  # of stall torque, which is no continuous rating
 LEAST_TORQUE = 1e-9  # part of the stall torque that is left at and beyond the no-load speed
 
 
@@ -28,11 +27,6 @@ def available_torque(robot: Robot, torque: Array, speed: Array) -> Array:
     line = 1.0 - np.abs(speed) / robot.no_load_speed
     part = np.where(torque * speed > 0.0, np.maximum(line, LEAST_TORQUE), 1.0)
     return np.asarray(part * robot.torque_limit)
-
-
-def lasting_torque(robot: Robot) -> Array:
-    """Largest root mean square torque (n,) of a motion [N m]."""
-    return RMS_TORQUE_RATIO * robot.torque_limit
 
 
 @dataclass(frozen=True)
@@ -58,7 +52,7 @@ def uses_of_legs(motion: Motion) -> tuple[Use, ...]:
     uses = {
         "speed": step_speeds(motion).max(axis=0) / robot.speed_limit,
         "torque": (np.abs(torque) / available_torque(robot, torque, speed)).max(axis=0),
-        "lasting torque": np.sqrt(np.mean(torque**2, axis=0)) / lasting_torque(robot),
+        "lasting torque": np.sqrt(np.mean(torque**2, axis=0)) / robot.lasting_torque,
         "range": np.where(away > at_rest + 1e-6, away, 0.0),
     }
     found = []

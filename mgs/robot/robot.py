@@ -17,6 +17,8 @@ from mgs.robot.collision_shapes import collision_geometry
 from mgs.robot.coupling import Coupling, Follower, coupling_of
 from mgs.robot.spec import RobotSpec, SoleSpec
 
+RMS_TORQUE_RATIO = 0.3  # of stall torque, which is no continuous rating
+
 
 @dataclass(frozen=True, eq=False)
 class Robot:
@@ -56,6 +58,11 @@ class Robot:
     def mass(self) -> float:
         """Total mass [kg]."""
         return float(pin.computeTotalMass(self.model))
+
+    @functools.cached_property
+    def lasting_torque(self) -> Array:
+        """Largest root mean square torque (n,) of a motion [N m]."""
+        return RMS_TORQUE_RATIO * self.torque_limit
 
     @functools.cached_property
     def coupling(self) -> Coupling | None:

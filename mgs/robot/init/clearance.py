@@ -1,20 +1,32 @@
 """Arms that keep clear of legs and trunk while the robot walks.
 
-While a robot walks its thighs swing and its waist turns, but its arms hang nearly still. Where a
-forearm or a hand would touch anything but its own arm, the hands are placed further out.
+While a robot walks its thighs swing, but its arms hang nearly still. Where a forearm or a hand
+would touch anything but its own arm, the hands are placed further out.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+import pinocchio as pin
+
 from mgs.core.arrays import Array
+from mgs.core.constants import FLOATING_BASE_NV
 from mgs.robot.init.anatomy import Anatomy
 from mgs.robot.init.collisions import Watched, nearly_touching
 from mgs.robot.init.skeleton import Skeleton
 from mgs.robot.robot import Robot
 
-OUTWARD = (0.35, 0.55, 0.8)  # directions of the hands that are tried; 0.96 down, 0.2 forward
+# Each is tried in turn, since shoulders bear more the further out the hands are.
+OUTWARD = (
+    0.25,
+    0.3,
+    0.35,
+    0.45,
+    0.6,
+    0.8,
+)  # directions of the hands that are tried; 0.96 down, 0.2 forward
 MOST_NAMED = 3  # largest number of pairs of links in a note
 
 
@@ -64,8 +76,8 @@ def with_clear_arms(
 
     def touching(candidate: Robot) -> list[tuple[str, str]]:
         left, right = anatomy.legs
-        swaying = {skeleton.name(joint) for joint in [*anatomy.waist, *left, *right]}
-        moving = [i for i, name in enumerate(candidate.joint_names) if name in swaying]
+        stepping = {skeleton.name(joint) for joint in [*left, *right]}
+        moving = [i for i, name in enumerate(candidate.joint_names) if name in stepping]
         watched = nearly_touching(candidate, apart, moving)
         return [pair for pair in watched if forearms & set(pair)]
 
@@ -75,11 +87,22 @@ def with_clear_arms(
     named = ", ".join(f"{one} and {other}" for one, other in first[:MOST_NAMED])
     for outward in OUTWARD:
         candidate, q = placed(outward)
+        if not _holds(candidate, skeleton, anatomy):
+            break
         if not touching(candidate):
-            notes.append(f"arms held further out, since near the posture {named} would touch")
+            notes.append(f"arms held further out, since {named} would touch in a step")
             return candidate, q
-    notes.append(f"near the posture {named} touch, and holding the arms further out does not help")
+    notes.append(f"{named} may touch in a step, and the arms cannot be held clear of it")
     return robot, None
+
+
+def _holds(robot: Robot, skeleton: Skeleton, anatomy: Anatomy) -> bool:
+    """Whether the servos of the arms can hold them where they are for as long as one likes."""
+    joints = {skeleton.name(joint) for arm in anatomy.arms or () for joint in arm}
+    data = robot.model.createData()
+    held = pin.computeGeneralizedGravity(robot.model, data, robot.standing_q)[FLOATING_BASE_NV:]
+    of_arms = np.array([name in joints for name in robot.joint_names])
+    return bool(np.all(np.abs(held) <= robot.lasting_torque, where=of_arms))
 
 
 def _forearm(skeleton: Skeleton, arm: list[int], links: list[str]) -> set[str]:

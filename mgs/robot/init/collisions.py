@@ -13,6 +13,7 @@ from mgs.robot.robot import Robot
 
 Watched = Callable[[str, str], bool]  # whether two links must be kept from touching
 NEARBY, N_NEARBY = 0.25, 40  # [rad] range around the posture, number of random postures
+STEPPING = 0.15  # [rad] range of the leg joints around the posture in the steps of a slow walk
 
 
 def touching_pairs(robot: Robot, watched: Watched) -> list[tuple[str, str]]:
@@ -23,28 +24,28 @@ def touching_pairs(robot: Robot, watched: Watched) -> list[tuple[str, str]]:
     """
     found = set(_across_a_link(robot))
     found |= set(_touching(robot, robot.standing_q))
-    for q in _nearby(robot, range(robot.n)):
+    for q in _nearby(robot, range(robot.n), NEARBY):
         found |= {pair for pair in _touching(robot, q) if not watched(*pair)}
     return sorted(found)
 
 
 def nearly_touching(robot: Robot, watched: Watched, moving: Iterable[int]) -> list[tuple[str, str]]:
-    """Pairs of `watched` links that touch in the posture, or while the joints `moving` are near it.
+    """Pairs of `watched` links that touch in the posture, or while the joints `moving` take steps.
 
     `moving` are places in the joint angles. Pairs with one link between them are left out.
     """
     found = {pair for pair in _touching(robot, robot.standing_q) if watched(*pair)}
-    for q in _nearby(robot, moving):
+    for q in _nearby(robot, moving, STEPPING):
         found |= {pair for pair in _touching(robot, q) if watched(*pair)}
     return sorted(found - set(_across_a_link(robot)))
 
 
-def _nearby(robot: Robot, moving: Iterable[int]) -> Iterator[Array]:
-    """Configurations (nq,) with random angles of the joints `moving` near the posture."""
+def _nearby(robot: Robot, moving: Iterable[int], reach: float) -> Iterator[Array]:
+    """Configurations (nq,) with random angles of some joints, up to `reach` from the posture."""
     rng, at = np.random.default_rng(0), list(moving)
     q = robot.standing_q.copy()
     for _ in range(N_NEARBY):
-        near = robot.posture[at] + rng.uniform(-NEARBY, NEARBY, len(at))
+        near = robot.posture[at] + rng.uniform(-reach, reach, len(at))
         q[FLOATING_BASE_NQ + np.array(at, dtype=int)] = np.clip(
             near, robot.lower[at], robot.upper[at]
         )

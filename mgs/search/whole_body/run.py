@@ -15,7 +15,7 @@ from mgs.judge.motion_checks import zmp_margins
 from mgs.motion import Motion
 from mgs.motion.dynamics import analyse, lowest_points
 from mgs.motion.energy import energy_of
-from mgs.motion.joint_load import lasting_torque, step_speeds
+from mgs.motion.joint_load import step_speeds
 from mgs.motion.provenance import Optimisation
 from mgs.robot.support_polygon import in_support
 from mgs.search.whole_body.problem import Problem, Weights, bearing
@@ -141,7 +141,7 @@ def figures_of(motion: Motion) -> Figures:
     by_joint = np.sqrt(np.mean(motion.torque**2, axis=0))
     return Figures(
         torque_rms=float(np.sqrt(np.mean(motion.torque**2))),
-        lasting_torque=float((by_joint / lasting_torque(motion.robot)).max()),
+        lasting_torque=float((by_joint / motion.robot.lasting_torque).max()),
         positive_work=energy.positive_work,
         cost_of_transport=energy.cost_of_transport,
         zmp_margin=float(margins.min()),
