@@ -1,7 +1,7 @@
 """Arms that keep clear of legs and trunk while the robot walks.
 
 While a robot walks its thighs swing, but its arms hang nearly still. Where a forearm or a hand
-would touch anything but its own arm, the hands are placed further out.
+would touch anything but its own arm, the hands are placed further out or forward.
 """
 
 from __future__ import annotations
@@ -18,15 +18,9 @@ from mgs.robot.init.collisions import Watched, nearly_touching
 from mgs.robot.init.skeleton import Skeleton
 from mgs.robot.robot import Robot
 
-# Each is tried in turn, since shoulders bear more the further out the hands are.
-OUTWARD = (
-    0.25,
-    0.3,
-    0.35,
-    0.45,
-    0.6,
-    0.8,
-)  # directions of the hands that are tried; 0.96 down, 0.2 forward
+# Directions of the hands that are tried, forward and outward, as of `find_posture`.
+HANDS = tuple((ahead, out) for out in (0.25, 0.35, 0.5, 0.8) for ahead in (0.2, 0.45, 0.8))
+HOLDING = 0.8  # of the torque that a servo of an arm bears for long; the rest moves the hand
 MOST_NAMED = 3  # largest number of pairs of links in a note
 
 
@@ -56,10 +50,13 @@ def with_clear_arms(
     skeleton: Skeleton,
     anatomy: Anatomy,
     links: list[str],
-    placed: Callable[[float], tuple[Robot, Array]],
+    placed: Callable[[tuple[float, float]], tuple[Robot, Array]],
     notes: list[str],
-) -> tuple[Robot, Array | None]:
-    """The robot with arms that keep clear, and its new configuration (nq,); None: as it was.
+) -> tuple[Robot, Array | None, list[tuple[str, str]]]:
+    """The robot with arms that keep clear, as far as their servos can bear it.
+
+    Also its new configuration (nq,), or None if that is as it was, and the pairs of links that may
+    still touch in a step.
 
     Args:
         robot: the robot with its arms as they hang at first.
@@ -67,10 +64,10 @@ def with_clear_arms(
         anatomy: its limbs.
         links: name of the link of each body.
         placed: gives the robot and its configuration for a direction of the hands.
-        notes: takes a line where the arms were moved, or touch in each of the directions.
+        notes: takes a line where the arms were moved, and one where they may still touch.
     """
     if anatomy.arms is None:
-        return robot, None
+        return robot, None, []
     forearms = set().union(*(_forearm(skeleton, arm, links) for arm in anatomy.arms))
     apart = kept_apart(skeleton, anatomy, links)
 
@@ -83,17 +80,26 @@ def with_clear_arms(
 
     first = touching(robot)
     if not first:
-        return robot, None
+        return robot, None, []
     named = ", ".join(f"{one} and {other}" for one, other in first[:MOST_NAMED])
-    for outward in OUTWARD:
-        candidate, q = placed(outward)
+    found, found_q, still = robot, None, first
+    for hands in HANDS:
+        candidate, q = placed(hands)
         if not _holds(candidate, skeleton, anatomy):
+            continue
+        left = touching(candidate)
+        if len(left) < len(still):
+            found, found_q, still = candidate, q, left
+        if not left:
             break
-        if not touching(candidate):
-            notes.append(f"arms held further out, since {named} would touch in a step")
-            return candidate, q
-    notes.append(f"{named} may touch in a step, and the arms cannot be held clear of it")
-    return robot, None
+    if found_q is not None:
+        notes.append(f"hands held further out or forward, since in a step {named} would touch")
+    if still:
+        notes.append(
+            f"the shapes of {', '.join(' and '.join(pair) for pair in still)} may touch in a step; "
+            "they are listed in ignore_collisions, since they are larger than the links"
+        )
+    return found, found_q, still
 
 
 def _holds(robot: Robot, skeleton: Skeleton, anatomy: Anatomy) -> bool:
@@ -102,7 +108,7 @@ def _holds(robot: Robot, skeleton: Skeleton, anatomy: Anatomy) -> bool:
     data = robot.model.createData()
     held = pin.computeGeneralizedGravity(robot.model, data, robot.standing_q)[FLOATING_BASE_NV:]
     of_arms = np.array([name in joints for name in robot.joint_names])
-    return bool(np.all(np.abs(held) <= robot.lasting_torque, where=of_arms))
+    return bool(np.all(np.abs(held) <= HOLDING * robot.lasting_torque, where=of_arms))
 
 
 def _forearm(skeleton: Skeleton, arm: list[int], links: list[str]) -> set[str]:

@@ -105,14 +105,15 @@ def _drafted(urdf: Path, name: str | None, package_paths: tuple[Path, ...]) -> D
     looks = find_looks(skeleton, source.root)
     urdf_text = cleaned_urdf(draft.name, skeleton, links, shapes, looks, inertias, efforts)
 
-    def placed(outward: float) -> tuple[Robot, Array]:
-        q = find_posture(skeleton, anatomy, soles, torque, source.stand, outward).q
+    def placed(hands: tuple[float, float]) -> tuple[Robot, Array]:
+        q = find_posture(skeleton, anatomy, soles, torque, source.stand, hands).q
         return build_robot(robot_yaml(replace(draft, q=q)), urdf_text, urdf), q
 
     robot = build_robot(robot_yaml(draft), urdf_text, urdf)
-    robot, q = with_clear_arms(robot, skeleton, anatomy, links, placed, notes)
+    robot, q, still = with_clear_arms(robot, skeleton, anatomy, links, placed, notes)
     draft = draft if q is None else replace(draft, q=q)
-    draft.ignored.extend(touching_pairs(robot, kept_apart(skeleton, anatomy, links)))
+    found = {*touching_pairs(robot, kept_apart(skeleton, anatomy, links)), *still}
+    draft.ignored.extend(sorted(found))
     draft.ignored.extend(_apart(source, skeleton, links, draft.ignored))
     text = robot_yaml(draft)
     return DraftFolder(

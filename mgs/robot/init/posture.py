@@ -31,7 +31,8 @@ LEG_ROOM = 0.25  # [rad] distance from the limits of leg joints that suffices fo
 HAND_REACH = 0.85  # distance from shoulder to hand, as part of the stretched arm
 STRETCHED = 0.95  # distance from shoulder to hand from which on an arm counts as stretched
 HANGING = 0.8  # least part of that distance that points down
-HAND_FORWARD, HAND_OUTWARD, HAND_UP = 0.2, 0.2, -0.96  # direction of a hand from its shoulder
+HANDS = (0.2, 0.2)  # direction of a hand from its shoulder: forward and outward ...
+HANDS_UP = -0.96  # ... and up
 WIDEST_STANCE = 0.35  # largest distance of the soles from each other, as part of the stretched leg
 LEAST_GAP = 0.3  # least gap between narrowed soles, as part of their width
 REST_WEIGHT = 1e-3  # [m/rad] weight of the distance from the posture at rest
@@ -68,14 +69,14 @@ def find_posture(
     soles: tuple[Sole, Sole],
     torque: dict[int, float],
     stand: Mapping[str, float],
-    outward: float | None = None,
+    hands: tuple[float, float] | None = None,
 ) -> Posture:
     """Deepest posture with level soles, enough distance from joint limits and enough torque.
 
     If no posture meets all three conditions, they are ranked in this order. `torque` holds the
     torque limit of each joint [N m]. Where the arms hang bent in `stand`, angles of joints by name
-    [rad], they stay like that, unless `outward` tells how far out the hands go; the search for the
-    angles of the legs begins at `stand`.
+    [rad], they stay like that, unless `hands` tells where the hands go (as `HANDS`); the search
+    for the angles of the legs begins at `stand`.
     """
     q = skeleton.at_rest.copy()
     for leg in anatomy.legs if stand else ():
@@ -83,8 +84,9 @@ def find_posture(
     for side, arm in enumerate(anatomy.arms or ()):
         if stand:
             _take(skeleton, arm, stand, q)
-        if not stand or outward is not None or not _hangs(skeleton, arm, q):
-            _place_hand(skeleton, arm, (1.0 - 2.0 * side) * (outward or HAND_OUTWARD), q)
+        if not stand or hands is not None or not _hangs(skeleton, arm, q):
+            forward, outward = hands or HANDS
+            _place_hand(skeleton, arm, (forward, (1.0 - 2.0 * side) * outward), q)
     found: list[tuple[tuple[float, float, float], Posture]] = []
     for crouch in CROUCHES:
         posture = _sit(skeleton, anatomy, soles, q.copy(), crouch, WIDEST_STANCE)
@@ -231,12 +233,15 @@ def _place_sole(skeleton: Skeleton, leg: list[int], sole: Sole, target: pin.SE3,
     return _solve(skeleton, leg, error, _leg_starts(skeleton, leg, q), q, ROOM)
 
 
-def _place_hand(skeleton: Skeleton, arm: list[int], outward: float, q: Array) -> None:
-    """Move a hand in q, in place, as close to its target as the joint limits permit."""
+def _place_hand(skeleton: Skeleton, arm: list[int], ahead: tuple[float, float], q: Array) -> None:
+    """Move a hand in q, in place, as close to its target as the joint limits permit.
+
+    `ahead` is the direction of the hand from its shoulder, to the front and to the left.
+    """
     shoulder, hand = skeleton.placements[arm[0]].translation, hand_point(skeleton, arm[-1])
     reach = sum(np.linalg.norm(skeleton.model.jointPlacements[j].translation) for j in arm[1:])
     reach += np.linalg.norm(hand)
-    direction = np.array([HAND_FORWARD, outward, HAND_UP])
+    direction = np.array([*ahead, HANDS_UP])
     target = shoulder + HAND_REACH * float(reach) * direction / np.linalg.norm(direction)
 
     def error(data: pin.Data) -> Array:
