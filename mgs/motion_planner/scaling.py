@@ -39,8 +39,8 @@ from mgs.robot import Robot, leg_length
 from mgs.robot.legs import missing_turn
 
 STEP_LENGTH, STEP_HEIGHT, ZMP_TOLERANCE = 0.12, 0.04, 5e-4  # in leg lengths
-SINGLE_SUPPORT, DOUBLE_SUPPORT = 6.15, 2.9  # in sqrt(L / g)
-SWAYING_SINGLE_SUPPORT = 10.0  # of robots whose sway may tip the sole
+SINGLE_SUPPORT, DOUBLE_SUPPORT = 6.15, 3.57  # in sqrt(L / g)
+SWAYING_SINGLE_SUPPORT = 12.3  # of robots whose sway may tip the sole
 LANDING = 0.35  # share of single support in which the foot comes straight down
 SWAY_LIMIT = 0.9  # half widths of the sole: below 1, since no servo is as stiff as its figures say
 QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT = 1.2, 0.5  # of robots that only sway their trunk
