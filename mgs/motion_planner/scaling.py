@@ -7,8 +7,9 @@ slow walk with a Froude number of 0.0002. On servos that give way a robot sways 
 times of single support that were tried, longer ones let more robots stay up (docs/robots.md). Where
 the sway gets near the edge of the sole (`mgs.motion_planner.sway`) it takes twice the time: the
 foot leaves the ground more slowly and the sway fades. The swing foot also hangs lower than planned
-when servos give way, by up to a tenth of the step height: it comes straight down from there, so
-that it does not meet the ground while it still moves forward, which would shorten the step.
+when servos give way, by up to 0.005 leg lengths where the derived walks were tried: it comes
+straight down from nearly there, since a foot that meets the ground while it still moves forward
+shortens the step.
 """
 
 from __future__ import annotations
@@ -38,10 +39,10 @@ from mgs.motion_planner.sway import swing_of_zmp
 from mgs.robot import Robot, leg_length
 from mgs.robot.legs import missing_turn
 
-STEP_LENGTH, STEP_HEIGHT, ZMP_TOLERANCE = 0.12, 0.04, 5e-4  # in leg lengths
-SINGLE_SUPPORT, DOUBLE_SUPPORT = 6.15, 3.57  # in sqrt(L / g)
-SWAYING_SINGLE_SUPPORT = 12.3  # of robots whose sway may tip the sole
-LANDING = 0.35  # share of single support in which the foot comes straight down
+STEP_LENGTH, STEP_HEIGHT, ZMP_TOLERANCE = 0.12, 0.05, 5e-4  # in leg lengths
+SINGLE_SUPPORT, DOUBLE_SUPPORT = 5.0, 2.9  # in sqrt(L / g)
+LANDING = 0.25  # share of single support in which the foot comes straight down
+SWAYING_SINGLE_SUPPORT = 10.0  # of robots whose sway may tip the sole
 SWAY_LIMIT = 0.9  # half widths of the sole: below 1, since no servo is as stiff as its figures say
 QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT = 1.2, 0.5  # of robots that only sway their trunk
 QUICK_PASSES = 8  # passes of the dynamic filter for such robots
@@ -93,8 +94,8 @@ def _walk_sizes(gait: WalkGait, robot: Robot) -> dict[str, Any]:
         "step_length": round(STEP_LENGTH * length, DIGITS) if gait.walk.n_steps != 1 else 0.0,
         "step_height": round(STEP_HEIGHT * length, DIGITS),
         "single_support": _whole(single * time, gait.dt),
-        **({} if quick else {"landing": LANDING}),
         "double_support": _whole(double * time, gait.dt),
+        "landing": LANDING,
         "lead_in": REST,
         "lead_out": REST,
     }
