@@ -9,11 +9,13 @@ import pinocchio as pin
 
 from mgs.core.arrays import Array
 from mgs.core.constants import FLOATING_BASE_NQ
+from mgs.robot.limbs import leg_length
 from mgs.robot.robot import Robot
 
 Watched = Callable[[str, str], bool]  # whether two links must be kept from touching
 NEARBY, N_NEARBY = 0.25, 40  # [rad] range around the posture, number of random postures
 STEPPING = 0.15  # [rad] range of the leg joints around the posture in the steps of a slow walk
+APART = 0.02  # distance of links that do not nearly touch, in leg lengths: hands sway a little
 
 
 def touching_pairs(robot: Robot, watched: Watched) -> list[tuple[str, str]]:
@@ -32,11 +34,11 @@ def touching_pairs(robot: Robot, watched: Watched) -> list[tuple[str, str]]:
 def nearly_touching(robot: Robot, watched: Watched, moving: Iterable[int]) -> list[tuple[str, str]]:
     """Pairs of `watched` links that touch in the posture, or while the joints `moving` take steps.
 
-    `moving` are places in the joint angles. Pairs with one link between them are left out.
+    Nearly touching are links closer than `APART`. `moving` are places in the joint angles. Pairs with one link between them are left out.
     """
-    found = {pair for pair in _touching(robot, robot.standing_q) if watched(*pair)}
-    for q in _nearby(robot, moving, STEPPING):
-        found |= {pair for pair in _touching(robot, q) if watched(*pair)}
+    found, near = set(), APART * leg_length(robot)
+    for q in (robot.standing_q, *_nearby(robot, moving, STEPPING)):
+        found |= {pair for pair in _touching(robot, q, near) if watched(*pair)}
     return sorted(found - set(_across_a_link(robot)))
 
 
@@ -49,12 +51,15 @@ def _nearby(robot: Robot, moving: Iterable[int], reach: float) -> Iterator[Array
         q[FLOATING_BASE_NQ + np.array(at, dtype=int)] = np.clip(
             near, robot.lower[at], robot.upper[at]
         )
-        yield q
+        yield q.copy()
 
 
-def _touching(robot: Robot, q: pin.Data) -> Iterator[tuple[str, str]]:
+def _touching(robot: Robot, q: Array, near: float = 0.0) -> Iterator[tuple[str, str]]:
+    """Pairs of links whose shapes are at most `near` apart [m]."""
     geometry = robot.geometry
     data, geometry_data = robot.model.createData(), geometry.createData()
+    for request in geometry_data.collisionRequests:
+        request.security_margin = near
     pin.computeCollisions(robot.model, data, geometry, geometry_data, q, False)
     for pair, result in zip(geometry.collisionPairs, geometry_data.collisionResults, strict=True):
         if result.isCollision():
