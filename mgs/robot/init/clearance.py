@@ -27,7 +27,7 @@ MOST_NAMED = 3  # largest number of pairs of links in a note
 def kept_apart(skeleton: Skeleton, anatomy: Anatomy, links: list[str]) -> Watched:
     """Tells which two links may never touch near the posture, though their boxes are close.
 
-    These are the lower half of one leg and of the other leg, and the lower half of an arm and
+    These are the lower half of one leg and of the other leg, and the forearm with its hand and
     everything but that arm. `links` holds the name of the link of each body.
     """
     shins = {links[joint] for leg in anatomy.legs for joint in leg[len(leg) // 2 :]}
@@ -112,8 +112,8 @@ def _holds(robot: Robot, skeleton: Skeleton, anatomy: Anatomy) -> bool:
 
 
 def _forearm(skeleton: Skeleton, arm: list[int], links: list[str]) -> set[str]:
-    """Links of the lower half of an arm, with hand and fingers."""
-    return _below(skeleton, arm[len(arm) // 2], links)
+    """Links below the elbow, with hand and fingers; an elbow may be close to the trunk."""
+    return _below(skeleton, arm[min(len(arm) // 2 + 1, len(arm) - 1)], links)
 
 
 def _below(skeleton: Skeleton, body: int, links: list[str]) -> set[str]:

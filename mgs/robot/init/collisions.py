@@ -34,7 +34,8 @@ def touching_pairs(robot: Robot, watched: Watched) -> list[tuple[str, str]]:
 def nearly_touching(robot: Robot, watched: Watched, moving: Iterable[int]) -> list[tuple[str, str]]:
     """Pairs of `watched` links that touch in the posture, or while the joints `moving` take steps.
 
-    Nearly touching are links closer than `APART`. `moving` are places in the joint angles. Pairs with one link between them are left out.
+    Nearly touching are links closer than `APART`. `moving` are places in the joint angles. Pairs
+    with one link between them are left out.
     """
     found, near = set(), APART * leg_length(robot)
     for q in (robot.standing_q, *_nearby(robot, moving, STEPPING)):
