@@ -45,6 +45,7 @@ LANDING = 0.25  # share of single support in which the foot comes straight down
 SWAYING_SINGLE_SUPPORT = 10.0  # of robots whose sway may tip the sole
 SWAY_LIMIT = 0.9  # half widths of the sole: below 1, since no servo is as stiff as its figures say
 QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT = 1.2, 0.5  # of robots that only sway their trunk
+QUICK_STEP_HEIGHT, QUICK_LANDING = 0.04, 0.2  # lower, since their feet turn on the floor else
 QUICK_PASSES = 8  # passes of the dynamic filter for such robots
 REST = 3.0  # [s] before and after the steps; with less, hips exceed their RMS torque on some robots
 RELATIVE = frozenset({"step_length", "lateral", "step_height"})  # `sizes: relative` scales them
@@ -92,10 +93,10 @@ def _walk_sizes(gait: WalkGait, robot: Robot) -> dict[str, Any]:
     double = QUICK_DOUBLE_SUPPORT if quick else DOUBLE_SUPPORT
     return {
         "step_length": round(STEP_LENGTH * length, DIGITS) if gait.walk.n_steps != 1 else 0.0,
-        "step_height": round(STEP_HEIGHT * length, DIGITS),
+        "step_height": round((QUICK_STEP_HEIGHT if quick else STEP_HEIGHT) * length, DIGITS),
         "single_support": _whole(single * time, gait.dt),
         "double_support": _whole(double * time, gait.dt),
-        "landing": LANDING,
+        "landing": QUICK_LANDING if quick else LANDING,
         "lead_in": REST,
         "lead_out": REST,
     }
