@@ -7,9 +7,8 @@ slow walk with a Froude number of 0.0002. On servos that give way a robot sways 
 times of single support that were tried, longer ones let more robots stay up (docs/robots.md). Where
 the sway gets near the edge of the sole (`mgs.motion_planner.sway`) it takes twice the time: the
 foot leaves the ground more slowly and the sway fades. The swing foot also hangs lower than planned
-when servos give way, by up to 0.005 leg lengths where the derived walks were tried: it comes
-straight down from nearly there, since a foot that meets the ground while it still moves forward
-shortens the step.
+when servos give way, by up to 0.005 leg lengths where the derived walks were tried. It is lifted by
+ten times that, since a foot that meets the ground while it still moves forward shortens the step.
 """
 
 from __future__ import annotations
@@ -41,11 +40,10 @@ from mgs.robot.legs import missing_turn
 
 STEP_LENGTH, STEP_HEIGHT, ZMP_TOLERANCE = 0.12, 0.05, 5e-4  # in leg lengths
 SINGLE_SUPPORT, DOUBLE_SUPPORT = 5.0, 2.9  # in sqrt(L / g)
-LANDING = 0.25  # share of single support in which the foot comes straight down
 SWAYING_SINGLE_SUPPORT = 10.0  # of robots whose sway may tip the sole
 SWAY_LIMIT = 0.9  # half widths of the sole: below 1, since no servo is as stiff as its figures say
 QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT = 1.2, 0.5  # of robots that only sway their trunk
-QUICK_STEP_HEIGHT, QUICK_LANDING = 0.04, 0.2  # lower, since their feet turn on the floor else
+QUICK_STEP_HEIGHT = 0.04  # lower, since their feet turn on the floor else
 QUICK_PASSES = 8  # passes of the dynamic filter for such robots
 REST = 3.0  # [s] before and after the steps; with less, hips exceed their RMS torque on some robots
 RELATIVE = frozenset({"step_length", "lateral", "step_height"})  # `sizes: relative` scales them
@@ -96,7 +94,6 @@ def _walk_sizes(gait: WalkGait, robot: Robot) -> dict[str, Any]:
         "step_height": round((QUICK_STEP_HEIGHT if quick else STEP_HEIGHT) * length, DIGITS),
         "single_support": _whole(single * time, gait.dt),
         "double_support": _whole(double * time, gait.dt),
-        "landing": QUICK_LANDING if quick else LANDING,
         "lead_in": REST,
         "lead_out": REST,
     }
