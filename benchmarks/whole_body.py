@@ -57,17 +57,24 @@ def main() -> None:
     )
     parser.add_argument("gaits", nargs="*", default=GAITS)
     parser.add_argument(
-        "--straight", nargs="*", metavar="ROBOT_FOLDER", help="walks on three robots"
+        "--straight",
+        nargs="*",
+        metavar="ROBOT_FOLDER",
+        help="walks on these robots; default: COMAN, Melson",
     )
     parser.add_argument("--referee", type=Path, help="Python interpreter that has Crocoddyl")
     parser.add_argument("--work", type=float, default=0.0, help="weight")
     parser.add_argument(
         "--distance", type=float, help="weight; default: 0.01, or 0.001 with --straight"
     )
+    parser.add_argument(
+        "--margin", type=float, help="with --straight [m]; default: the least margin of the plan"
+    )
     given = parser.parse_args()
     if given.straight is not None:
         others = [(folder, "generic/walk") for folder in given.straight]
-        straight_table([*STRAIGHT, *others], given.distance or STRAIGHT_DISTANCE)
+        walks = others or STRAIGHT
+        straight_table(walks, given.distance or STRAIGHT_DISTANCE, given.margin)
         return
     if given.referee is not None:
         referee_table(given.referee)
@@ -100,14 +107,15 @@ def savings_table(gaits: list[str], work: float, distance: float) -> None:
         )
 
 
-def straight_table(walks: list[tuple[str, str]], distance: float) -> None:
+def straight_table(walks: list[tuple[str, str]], distance: float, margin: float | None) -> None:
     """Walks before and after, at the same speed on the same floor, and how they are replayed."""
     print("| walk | knees [deg] | knee torque [N m] | cost of transport | knee speed | replays |")
     print("| --- | ---: | ---: | ---: | ---: | --- |")
     for robot, gait in walks:
         motion = mgs.generate(robot, gait)
         weights = Weights(work=1.0, distance=distance)
-        found = optimise(motion, weights, margin=figures_of(motion).zmp_margin)
+        least = figures_of(motion).zmp_margin if margin is None else margin
+        found = optimise(motion, weights, margin=least)
         before, after = knee_figures(motion), knee_figures(found.motion)
         angles, speeds = (f"{before[i]:.0f} -> {after[i]:.0f}" for i in (0, 2))
         costs = [figures.cost_of_transport or 0.0 for figures in (found.before, found.after)]
