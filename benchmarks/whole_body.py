@@ -1,10 +1,10 @@
 """What `mgs optimize` saves, and its objective against that of Crocoddyl: docs/optimize.md.
 
     python benchmarks/whole_body.py [--work WEIGHT] [--distance WEIGHT] [GAIT ...]
-    python benchmarks/whole_body.py --straight [ROBOT_FOLDER ...] [--distance WEIGHT]
+    python benchmarks/whole_body.py --straight [ROBOT_FOLDER ...] [--distance WEIGHT] [--margin M]
 
-With --straight, walks of COMAN and Melson, and generic/walk of other robot folders, are optimised
-with a weight of the work and the ZMP margin of the plan. They are replayed in both engines with
+With --straight, walks of COMAN and Melson, or generic/walk of robot folders, are optimised with a
+weight of the work and the ZMP margin of the plan. They are replayed in both engines with
 ideal, modelled and PD servos.
 
 With --referee PYTHON, an interpreter that has Crocoddyl (a virtual environment of its own: `pip
@@ -57,10 +57,7 @@ def main() -> None:
     )
     parser.add_argument("gaits", nargs="*", default=GAITS)
     parser.add_argument(
-        "--straight",
-        nargs="*",
-        metavar="ROBOT_FOLDER",
-        help="walks on these robots; default: COMAN, Melson",
+        "--straight", nargs="*", metavar="ROBOT_FOLDER", help="walks; default: COMAN, Melson"
     )
     parser.add_argument("--referee", type=Path, help="Python interpreter that has Crocoddyl")
     parser.add_argument("--work", type=float, default=0.0, help="weight")
@@ -73,7 +70,7 @@ def main() -> None:
     given = parser.parse_args()
     if given.straight is not None:
         others = [(folder, "generic/walk") for folder in given.straight]
-        walks = others or STRAIGHT
+        walks = others or list(STRAIGHT)
         straight_table(walks, given.distance or STRAIGHT_DISTANCE, given.margin)
         return
     if given.referee is not None:
