@@ -35,6 +35,7 @@ SHORTER = {  # what is run in place of hours of search and of other computers
     "--servo-sweep": "--servo-sweep --physics mujoco",
 }
 ELSEWHERE = {  # run by other tests, with what they need
+    "__A022.npz": "a file of others; tests/judge/recorded judges recorded motions",
     "--dask tcp://": "tests/library runs a batch on a cluster",
     "--ik newton": "tests/core/test_plugins.py runs these commands with the package of the guide",
     "com.generator=cart-table": "the same",
