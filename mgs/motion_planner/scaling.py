@@ -8,8 +8,9 @@ times of single support that were tried, longer ones let more robots stay up (do
 the sway gets near the edge of the sole (`mgs.motion_planner.sway`) it takes twice the time: the
 foot leaves the ground more slowly and the sway fades. The swing foot also hangs lower than planned
 when servos give way, by up to 0.005 leg lengths where the derived walks were tried. It is lifted by
-ten times that, since a foot that meets the ground while it still moves forward shortens the step;
-by less where the robot sways or steps quickly, since lifting a foot pushes the robot to the side.
+ten times that, and it comes straight down, since a foot that meets the ground while it still moves
+forward shortens the step; by less where the robot sways or steps quickly, since lifting a foot
+pushes the robot to the side.
 """
 
 from __future__ import annotations
@@ -41,8 +42,9 @@ from mgs.robot.legs import missing_turn
 
 STEP_LENGTH, STEP_HEIGHT, ZMP_TOLERANCE = 0.12, 0.05, 5e-4  # in leg lengths
 SINGLE_SUPPORT, DOUBLE_SUPPORT = 5.0, 2.9  # in sqrt(L / g)
+LANDING = 0.25  # share of single support in which the foot comes straight down
 SWAYING_SINGLE_SUPPORT = 10.0  # of robots whose sway may tip the sole
-LOW_STEP_HEIGHT = 0.04  # of these, and of robots that only sway their trunk
+LOW_STEP_HEIGHT, LOW_LANDING = 0.04, 0.2  # of these, and of robots that only sway their trunk
 SWAY_LIMIT = 0.9  # half widths of the sole: below 1, since no servo is as stiff as its figures say
 QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT = 1.2, 0.5  # of robots that only sway their trunk
 QUICK_PASSES = 8  # passes of the dynamic filter for such robots
@@ -89,11 +91,13 @@ def _walk_sizes(gait: WalkGait, robot: Robot) -> dict[str, Any]:
     quick = missing_turn(robot) == "roll"
     sways = swing_of_zmp(robot) > SWAY_LIMIT
     steady = SWAYING_SINGLE_SUPPORT if sways else SINGLE_SUPPORT
+    low = sways or quick
     single = QUICK_SINGLE_SUPPORT if quick else steady
     double = QUICK_DOUBLE_SUPPORT if quick else DOUBLE_SUPPORT
     return {
         "step_length": round(STEP_LENGTH * length, DIGITS) if gait.walk.n_steps != 1 else 0.0,
-        "step_height": round((LOW_STEP_HEIGHT if sways or quick else STEP_HEIGHT) * length, DIGITS),
+        "step_height": round((LOW_STEP_HEIGHT if low else STEP_HEIGHT) * length, DIGITS),
+        "landing": LOW_LANDING if low else LANDING,
         "single_support": _whole(single * time, gait.dt),
         "double_support": _whole(double * time, gait.dt),
         "lead_in": REST,

@@ -4,8 +4,9 @@
 do the walk depends on its servos and ranges too. So the plan is made, its static figures are
 looked at, and where they use more than 85 % of a limit, other sizes are tried, in this order: the
 distance of the soles, the height of the CoM, rests and step times, and the length of the step. Of
-each the best is kept, and the first walk with enough reserve is taken. Where the best walk exceeds
-a limit, longer rests are the last resort. No physics is simulated.
+each the best is kept, and the first walk with enough reserve is taken, less the changes that it can
+do without: a higher CoM, for example, sways more. Where the best walk exceeds a limit, longer rests
+are the last resort. No physics is simulated.
 """
 
 from __future__ import annotations
@@ -103,7 +104,8 @@ def fit_walk(
             if best is None or found.excess < best.excess - LEAST_GAIN:
                 best = found
             if best.use <= MOST_USE:
-                return best.stages, Fit(best.use, best.limited_by, best.changes, tried)
+                best, more = _with_fewest_changes(robot, derived, best, name, progress)
+                return best.stages, Fit(best.use, best.limited_by, best.changes, tried + more)
         changes = {} if best is None else best.changes
     if best is None:
         assert first is not None
@@ -118,6 +120,29 @@ def fit_walk(
                 best = rested
                 break
     return best.stages, Fit(best.use, best.limited_by, best.changes, tried)
+
+
+def _with_fewest_changes(
+    robot: Robot,
+    derived: WalkGait,
+    best: _Candidate,
+    name: str,
+    progress: Progress | None,
+) -> tuple[_Candidate, int]:
+    """A walk with reserve less the changes that it can do without, and how many were made."""
+    tried = 0
+    for keys, _ in FACTORS:
+        fewer = {key: x for key, x in best.changes.items() if key not in keys}
+        if len(fewer) in (0, len(best.changes)):
+            continue
+        tried += 1
+        try:
+            found = _candidate(robot, derived, fewer, name, progress)
+        except (InfeasibleGaitError, ConfigError):
+            continue
+        if found.use <= MOST_USE:
+            best = found
+    return best, tried
 
 
 def _rested(
