@@ -57,6 +57,19 @@ def test_weak_legs_get_another_walk_that_keeps_the_reserve(tmp_path: Path):
         assert getattr(made.motion.gait.walk, key) == pytest.approx(value)
 
 
+@pytest.mark.parametrize("effort", [36.0, 40.0])
+def test_no_change_is_kept_that_the_walk_can_do_without(effort: float, tmp_path: Path):
+    robot = biped(tmp_path, effort)
+    _, fit = fit_walk(robot, walk())
+    assert fit.has_reserve and fit.changes
+    for keys, _ in FACTORS:
+        fewer = {key: value for key, value in fit.changes.items() if key not in keys}
+        if fewer != fit.changes:
+            stated = (f"walk.{key}={value}" for key, value in fewer.items())
+            motion = run_stages(robot, walk(*stated)).motion
+            assert max(use.part for use in uses_of_legs(motion)) > MOST_USE
+
+
 def test_what_the_file_states_is_kept(tmp_path: Path):
     stated = {"lead_in": 1.0, "lead_out": 1.1, "step_length": 0.05, "single_support": 0.9}
     gait = walk(*(f"walk.{key}={value}" for key, value in stated.items()))

@@ -80,4 +80,6 @@ def test_hands_too_heavy_to_be_held_out_stay_and_are_named(tmp_path: Path):
     assert len(told) == 1
     assert "left_elbow_pitch_link" in told[0]
     ignored = {frozenset(pair) for pair in draft.robot.spec.ignore_collisions}
-    assert any("left_elbow_pitch_link" in pair and "left_hip_pitch_link" in pair for pair in ignored)
+    assert any(
+        "left_elbow_pitch_link" in pair and "left_hip_pitch_link" in pair for pair in ignored
+    )
