@@ -28,7 +28,7 @@ test: lint
 	$(PYTEST) -m "not slow"
 
 test-all: lint
-	$(PYTEST)
+	$(PYTEST) --hypothesis-profile thorough
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .

@@ -16,8 +16,9 @@ from tests.support.shipped import Generated, generated
 __all__ = ["address", "made", "plan", "sweep"]  # fixtures
 
 # the same examples in every run, and no failure because a machine is slow
-settings.register_profile("mgs", derandomize=True, deadline=None, max_examples=60)
-settings.load_profile("mgs")
+settings.register_profile("quick", derandomize=True, deadline=None, max_examples=40)
+settings.register_profile("thorough", settings.get_profile("quick"), max_examples=60)
+settings.load_profile("quick")
 
 
 @pytest.fixture(scope="session")

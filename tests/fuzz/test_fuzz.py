@@ -21,7 +21,7 @@ def run_fuzz(n: int, folder: Path) -> None:
     assert result.returncode == 0, result.stdout + result.stderr
 
 
-@pytest.mark.parametrize("n", [60, pytest.param(600, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", [40, pytest.param(600, marks=pytest.mark.slow)])
 def test_random_inputs_get_messages(n: int, tmp_path: Path) -> None:
     """Always the same inputs, some of each format."""
     run_fuzz(n, tmp_path)

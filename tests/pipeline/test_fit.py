@@ -57,7 +57,7 @@ def test_weak_legs_get_another_walk_that_keeps_the_reserve(tmp_path: Path):
         assert getattr(made.motion.gait.walk, key) == pytest.approx(value)
 
 
-@pytest.mark.parametrize("effort", [36.0, 40.0])
+@pytest.mark.parametrize("effort", [pytest.param(36.0, marks=pytest.mark.slow), 40.0])
 def test_no_change_is_kept_that_the_walk_can_do_without(effort: float, tmp_path: Path):
     robot = biped(tmp_path, effort)
     _, fit = fit_walk(robot, walk())
