@@ -45,7 +45,11 @@ PROBLEMS = (("melson", "melson/squat"), ("coman", "coman/sway"), ("melson", "mel
 EVERY = 4  # samples of a motion make one of a problem of the referee
 SCALE = 1e4  # of the objective for Crocoddyl, whose regularisation is absolute
 PENALTY, ITERATIONS = 1e3, 300
-STRAIGHT = (("coman", "coman/walk"), ("melson", "melson/walk_practical"))
+LOW = {"walk.step_height": 0.025, "walk.landing": 0.2}  # knees bend less for such a swing
+Walk = tuple[str, str, dict[str, float]]  # robot, gait, settings
+STRAIGHT: list[Walk] = [
+    ("coman", "coman/walk", LOW), ("melson", "melson/walk_practical", {})
+]  # fmt: skip
 STRAIGHT_DISTANCE = 0.001
 ENGINES, SERVOS = ("mujoco", "pybullet"), ("ideal", "model", "pd")
 
@@ -69,9 +73,8 @@ def main() -> None:
     )
     given = parser.parse_args()
     if given.straight is not None:
-        others = [(folder, "generic/walk") for folder in given.straight]
-        walks = others or list(STRAIGHT)
-        straight_table(walks, given.distance or STRAIGHT_DISTANCE, given.margin)
+        others: list[Walk] = [(folder, "generic/walk", {}) for folder in given.straight]
+        straight_table(others or STRAIGHT, given.distance or STRAIGHT_DISTANCE, given.margin)
         return
     if given.referee is not None:
         referee_table(given.referee)
@@ -104,12 +107,12 @@ def savings_table(gaits: list[str], work: float, distance: float) -> None:
         )
 
 
-def straight_table(walks: list[tuple[str, str]], distance: float, margin: float | None) -> None:
+def straight_table(walks: list[Walk], distance: float, margin: float | None) -> None:
     """Walks before and after, at the same speed on the same floor, and how they are replayed."""
     print("| walk | knees [deg] | knee torque [N m] | cost of transport | knee speed | replays |")
     print("| --- | ---: | ---: | ---: | ---: | --- |")
-    for robot, gait in walks:
-        motion = mgs.generate(robot, gait)
+    for robot, gait, settings in walks:
+        motion = mgs.generate(robot, gait, **settings)
         weights = Weights(work=1.0, distance=distance)
         least = figures_of(motion).zmp_margin if margin is None else margin
         found = optimise(motion, weights, margin=least)
