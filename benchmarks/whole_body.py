@@ -21,6 +21,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -46,7 +47,7 @@ EVERY = 4  # samples of a motion make one of a problem of the referee
 SCALE = 1e4  # of the objective for Crocoddyl, whose regularisation is absolute
 PENALTY, ITERATIONS = 1e3, 300
 LOW = {"walk.step_height": 0.025, "walk.landing": 0.2}  # knees bend less for such a swing
-Walk = tuple[str, str, dict[str, float]]  # robot, gait, settings
+Walk = tuple[str, str, dict[str, Any]]  # robot, gait, settings
 STRAIGHT: list[Walk] = [
     ("coman", "coman/walk", LOW), ("melson", "melson/walk_practical", {})
 ]  # fmt: skip
