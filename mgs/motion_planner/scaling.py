@@ -7,10 +7,9 @@ slow walk with a Froude number of 0.0002. On servos that give way a robot sways 
 times of single support that were tried, longer ones let more robots stay up (docs/robots.md). Where
 the sway gets near the edge of the sole (`mgs.motion_planner.sway`) it takes twice the time: the
 foot leaves the ground more slowly and the sway fades. The swing foot also hangs lower than planned
-when servos give way, by up to 0.005 leg lengths where the derived walks were tried. It is lifted by
-ten times that, and it comes straight down, since a foot that meets the ground while it still moves
-forward shortens the step; by less where the robot sways or steps quickly, since lifting a foot
-pushes the robot to the side.
+when servos give way. It is lifted higher than stiff servos would need, and it comes straight down,
+since a foot that meets the ground while it still moves forward shortens the step; it is lifted less
+where the robot sways or steps quickly, since lifting a foot pushes the robot to the side.
 """
 
 from __future__ import annotations
@@ -90,10 +89,12 @@ def _walk_sizes(gait: WalkGait, robot: Robot) -> dict[str, Any]:
     time = math.sqrt(length / GRAVITY)
     quick = missing_turn(robot) == "roll"
     sways = swing_of_zmp(robot) > SWAY_LIMIT
-    steady = SWAYING_SINGLE_SUPPORT if sways else SINGLE_SUPPORT
     low = sways or quick
-    single = QUICK_SINGLE_SUPPORT if quick else steady
-    double = QUICK_DOUBLE_SUPPORT if quick else DOUBLE_SUPPORT
+    single, double = SINGLE_SUPPORT, DOUBLE_SUPPORT
+    if quick:
+        single, double = QUICK_SINGLE_SUPPORT, QUICK_DOUBLE_SUPPORT
+    elif sways:
+        single = SWAYING_SINGLE_SUPPORT
     return {
         "step_length": round(STEP_LENGTH * length, DIGITS) if gait.walk.n_steps != 1 else 0.0,
         "step_height": round((LOW_STEP_HEIGHT if low else STEP_HEIGHT) * length, DIGITS),

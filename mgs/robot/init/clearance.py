@@ -93,7 +93,7 @@ def with_clear_arms(
         if not left:
             break
     if found_q is not None:
-        notes.append(f"hands held further out or forward, since in a step {named} would touch")
+        notes.append(f"hands held further out or forward, since in a step {named} would get close")
     if still:
         notes.append(
             f"the shapes of {', '.join(' and '.join(pair) for pair in still)} may touch in a step; "

@@ -15,8 +15,6 @@ from mgs.robot import Robot
 from mgs.robot.init import DraftFolder, init_robot
 from tests.support.bipeds import Biped
 
-SIZE = 0.7  # [m]
-
 
 def gloves(width: float, mass: float = 0.1) -> list[str]:
     """Boxes on the forearms that reach down to the thighs [m]."""
@@ -38,7 +36,6 @@ def drafted(folder: Path, biped: Biped) -> DraftFolder:
 def arm_contacts(robot: Robot, angles: np.ndarray) -> set[str]:
     """Links that touch a forearm in MuJoCo, in the pelvis frame; neighbours never touch there."""
     model = mujoco.MjModel.from_xml_string(robot.urdf)
-    model.geom_margin[:] = 0.0
     data = mujoco.MjData(model)
     for name, angle in zip(robot.joint_names, angles, strict=True):
         data.qpos[model.jnt_qposadr[model.joint(name).id]] = angle
