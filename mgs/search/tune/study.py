@@ -24,7 +24,7 @@ import mgs
 from mgs.core.errors import InputError, MgsError
 from mgs.core.foreign import told_as
 from mgs.judge.processes import result_of, worker_pool
-from mgs.search.tune.evaluate import Found, TuneTask, evaluate
+from mgs.search.tune.evaluate import LEAST_RATE, Found, TuneTask, evaluate, promising_rate
 from mgs.search.tune.space import Parameter, Value
 
 N_SCATTERED = 24  # walks about the start gait before the sampler takes over
@@ -126,13 +126,16 @@ def _searched(
         late = minutes is not None and time.monotonic() - started > 60.0 * minutes
         return not enough and not late
 
+    many = trials is None or trials > N_SCATTERED
     try:
         with worker_pool(_judge, task, workers) as submit:
             while running or more():
                 while more() and len(running) < workers:
                     trial = study.ask(space)
                     score = task.least_score if best is None else best.found.score
-                    running[submit(dict(trial.params), score)] = trial
+                    first = many and len(done) < N_SCATTERED
+                    rate = LEAST_RATE if first else promising_rate(task, [t.found for t in done])
+                    running[submit(dict(trial.params), score, rate)] = trial
                 ended, _ = concurrent.futures.wait(running, return_when="FIRST_COMPLETED")
                 for future in ended:
                     trial, (found, seconds) = running.pop(future), result_of(future)
@@ -266,7 +269,9 @@ def _importance(optuna: Any, study: Any) -> dict[str, float]:
     return dict(optuna.importance.get_param_importances(study, evaluator=evaluator))
 
 
-def _judge(task: TuneTask, values: dict[str, Value], best: float) -> tuple[Found, float]:
+def _judge(
+    task: TuneTask, values: dict[str, Value], best: float, promising: float
+) -> tuple[Found, float]:
     started = time.perf_counter()
-    found = evaluate(task, values, best)
+    found = evaluate(task, values, best, promising)
     return found, time.perf_counter() - started
