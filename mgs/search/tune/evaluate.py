@@ -216,11 +216,7 @@ def _survival(task: TuneTask, motion: Motion, engine: EngineName, floor: float) 
 def promising_rate(task: TuneTask, judged: Iterable[Found]) -> float:
     """Survival rate in the fastest engine from which a walk is worth replays in all engines."""
     fastest = f"{SURVIVAL}{min(task.engines)}"
-    rates = [
-        min(own)
-        for found in judged
-        if len(own := _rates(found.figures, fastest)) == len(task.servos)
-    ]
+    rates = [min(own) for found in judged if (own := _rates(found.figures, fastest))]
     return min(LEAST_RATE, max(rates, default=0.0))
 
 
