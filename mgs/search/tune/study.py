@@ -29,6 +29,7 @@ from mgs.search.tune.space import Parameter, Value
 
 N_SCATTERED = 24  # walks about the start gait before the sampler takes over
 SCATTER = (0.08, 0.25)  # standard deviations of their parameters, as parts of the bounds
+EARLY = 0.4  # part of a search in which only robust walks are replayed in slow engines
 LEAST_WALKS = 20  # below, nothing is said of the importance of parameters
 IDENTITY = "identity"  # attribute of a study: hash of all that its walks have in common
 FOUND = "found"  # attribute of a walk
@@ -121,21 +122,24 @@ def _searched(
     best = best_of(done)
     running: dict[concurrent.futures.Future[tuple[Found, float]], Any] = {}
 
+    def promising() -> float:
+        part_of_trials = 0.0 if trials is None else len(done) / trials
+        part_of_time = 0.0 if minutes is None else (time.monotonic() - started) / (60.0 * minutes)
+        early = max(part_of_trials, part_of_time) < EARLY
+        return LEAST_RATE if early else promising_rate(task, [trial.found for trial in done])
+
     def more() -> bool:
         enough = trials is not None and len(done) + len(running) >= trials
         late = minutes is not None and time.monotonic() - started > 60.0 * minutes
         return not enough and not late
 
-    many = trials is None or trials > N_SCATTERED
     try:
         with worker_pool(_judge, task, workers) as submit:
             while running or more():
                 while more() and len(running) < workers:
                     trial = study.ask(space)
                     score = task.least_score if best is None else best.found.score
-                    first = many and len(done) < N_SCATTERED
-                    rate = LEAST_RATE if first else promising_rate(task, [t.found for t in done])
-                    running[submit(dict(trial.params), score, rate)] = trial
+                    running[submit(dict(trial.params), score, promising())] = trial
                 ended, _ = concurrent.futures.wait(running, return_when="FIRST_COMPLETED")
                 for future in ended:
                     trial, (found, seconds) = running.pop(future), result_of(future)

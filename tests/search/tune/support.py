@@ -27,7 +27,9 @@ def easy_task(objective: ObjectiveName = "robust", margin: float = 0.0, seed: in
     )  # fmt: skip
 
 
-def by_formula(task: TuneTask, values: Mapping[str, Value], best: float = 0.0) -> Found:
+def by_formula(
+    task: TuneTask, values: Mapping[str, Value], best: float = 0.0, _promising: float = 0.0
+) -> Found:
     """Walks pass where the sole rises by more than a tenth of its bounds.
 
     The score falls with the distance from an optimum, which for two keys is far from the start gait

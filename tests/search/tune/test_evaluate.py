@@ -15,7 +15,15 @@ from mgs.motion import Motion
 from mgs.pipeline import run_stages
 from mgs.robot import Robot
 from mgs.search.tune import evaluate as module
-from mgs.search.tune.evaluate import STAGES, Column, evaluate, judge_plan, survival_rate
+from mgs.search.tune.evaluate import (
+    LEAST_RATE,
+    STAGES,
+    Column,
+    evaluate,
+    judge_plan,
+    promising_rate,
+    survival_rate,
+)
 from mgs.search.tune.objective import foot_clearance, known_score, mean_speed, plan_figures
 from tests.search.tune.support import MELSON, easy_task
 from tests.support.replays import side_to_side
@@ -163,6 +171,30 @@ def test_random_conditions_end_when_the_best_is_out_of_reach(monkeypatch: pytest
     assert found.passed
     assert found.figures["survival mujoco, ideal servos"] == 0.9
     assert found.score == pytest.approx(0.9)
+
+
+def test_slow_engines_replay_only_walks_that_are_promising(monkeypatch: pytest.MonkeyPatch):
+    fakes = Fakes(monkeypatch, "one draw")
+    found = evaluate(both(n_draws=10), {}, promising=0.91)
+    assert (found.stage, found.passed) == ("random conditions", False)
+    assert -1.0 < found.score < 0.0
+    assert not any("pybullet" in call for call in fakes.calls)
+    assert evaluate(both(n_draws=10), {}, promising=0.9).passed
+    only = dataclasses.replace(both(n_draws=10), engines=("mujoco",))
+    assert evaluate(only, {}, promising=0.91).passed  # no slow engine is left out
+
+
+def test_a_walk_is_promising_that_survives_as_often_as_any_before(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    Fakes(monkeypatch, "one draw")
+    task = both(n_draws=4)
+    judged = [evaluate(task, {}, promising=rate) for rate in (0.0, 0.9)]
+    assert [found.passed for found in judged] == [True, False]
+    assert promising_rate(task, judged) == 0.75
+    assert promising_rate(task, []) == 0.0
+    Fakes(monkeypatch)
+    assert promising_rate(task, [evaluate(task, {})]) == LEAST_RATE
 
 
 def test_without_a_floor_the_rate_is_that_of_monte_carlo(melson: Robot):

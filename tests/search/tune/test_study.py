@@ -12,7 +12,7 @@ import pytest
 
 from mgs.core.errors import InputError, MgsError
 from mgs.search.tune import study
-from mgs.search.tune.evaluate import STAGES, Found
+from mgs.search.tune.evaluate import LEAST_RATE, STAGES, Found
 from mgs.search.tune.study import N_SCATTERED, Trial, counts, identity, scattered, search
 from tests.search.tune.support import BEST, by_formula, easy_task
 
@@ -56,7 +56,7 @@ def test_the_same_seed_gives_the_same_walks(tmp_path: Path):
 def test_a_search_that_was_cut_off_is_continued(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     calls: list[float] = []
 
-    def cut_off(task: object, values: object, best: float = 0.0) -> Found:
+    def cut_off(task: object, values: object, best: float, _promising: float) -> Found:
         calls.append(best)
         if len(calls) == 5:
             raise KeyboardInterrupt
@@ -166,3 +166,19 @@ def test_failed_walks_are_counted_by_stage():
     passes = Trial(4, {}, Found(1.0, STAGES[-1]), 1.0)
     found = study.Search(easy_task(), (*trials, passes), {}, 1.0, False)
     assert counts(found) == {"checks": (3, "rest"), "plan": (1, "limit")}
+
+
+def test_early_in_a_search_only_robust_walks_are_promising(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    asked: list[float] = []
+
+    def judged(task: object, values: object, best: float, promising: float) -> Found:
+        asked.append(promising)
+        figures = {"survival mujoco, ideal servos": 0.3 + 0.01 * len(asked)}
+        return dataclasses.replace(by_formula(task, values, best), figures=figures)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(study, "evaluate", judged)
+    run(tmp_path, 10)
+    assert asked[:4] == [LEAST_RATE] * 4
+    assert asked[4:] == pytest.approx([0.3 + 0.01 * n for n in range(4, 10)])
