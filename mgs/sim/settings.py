@@ -54,7 +54,7 @@ class Settings:
 DEFAULTS: dict[EngineName, Settings] = {
     # PyBullet's rigid motors bear a slow damper only, a quick one hunts against the robot's own
     # inertia. They yield to lasting loads alone, such as two feet that press on each other.
-    "pybullet": Settings(dt=0.001, iterations=50, stiffness=1000.0, damping=0.3),
+    "pybullet": Settings(dt=0.0005, iterations=50, stiffness=1000.0, damping=0.3),
     "mujoco": Settings(dt=0.0005, iterations=50, stiffness=300.0, damping=0.02),
 }
 
