@@ -1,13 +1,15 @@
 """Which shipped motions stay up and arrive on servos that nobody modelled: docs/servo_sweep.md.
 
-    python benchmarks/servo_sweep.py [--gaits NAME ...] [--required] [--workers N] [--record FILE]
+    python benchmarks/servo_sweep.py [--gaits NAME ...] [--engines NAME ...] [--required]
+                                     [--record FILE] [-o FILE]
 
 Every walk, kick, stair and sequence of Melson and COMAN is replayed in both engines: with plain PD
 servos told the planned angles, at several sags and frictions, and with the servos of robot.yaml
 told feed-forward commands for a stiffness that is wrong. Outcomes are kept in a record file by
-gait, motion and case: what was replayed once is not replayed again, unless the motion has changed.
-What is required of a robust motion is replayed first. The page is written anew after each motion,
-with a dot for what has not been replayed, so that it can be interrupted at any time.
+gait, motion, physics step and case: what was replayed once is not replayed again, unless the motion
+or the step of the engine has changed. What is required of a robust motion is replayed first. The
+record is written after each replay and the page anew after each motion, with a dot for what has not
+been replayed, so that it can be interrupted at any time.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ import hashlib
 import itertools
 import json
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from mgs.core.atomic_files import replace_file
@@ -28,7 +30,7 @@ from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
 from mgs.pipeline import generate
 from mgs.robot import load_robot
-from mgs.sim import EngineName, available_engines, replay
+from mgs.sim import DEFAULTS, EngineName, available_engines, replay
 
 ROBOTS, KINDS = ("melson", "coman"), ("walk", "kick", "sequence")
 SAGS_DEG = (0.5, 1.0, 2.0, 4.0, 8.0)
@@ -41,6 +43,7 @@ REQUIRED: tuple[Replayed, ...] = (
     *(case for case in PD_CASES if case.sag_deg in REQUIRED_SAGS_DEG), *WRONG_STIFFNESS
 )  # fmt: skip
 OTHERS: tuple[Replayed, ...] = tuple(case for case in PD_CASES if case not in REQUIRED)
+FORMER_STEP_MS: dict[EngineName, float] = {"pybullet": 1.0}
 Record = dict[str, list[str]]  # failed checks by case
 
 HEAD = """# Motions on plain PD servos
@@ -56,6 +59,9 @@ three coefficients of friction, 0.7, 1.0 and 1.3:
 - `-` it falls,
 - `.` it has not been replayed.
 
+PyBullet takes steps of 0.5 ms as MuJoCo does; a mark in parentheses is of a replay with its former
+step of 1 ms, with which soles slip more ([why](simulation.md#steps-of-pybullet)).
+
 The last columns are replays with the servos of robot.yaml, at friction 1.0, told feed-forward
 commands for a stiffness 0.7 and 1.4 times theirs. A motion counts as robust when it passes in both
 engines at sags of 0.5, 1 and 2 deg with all three frictions, and with both of these commands; it
@@ -69,8 +75,8 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--gaits", nargs="*", help="names; default: all that this page is about")
+    parser.add_argument("--engines", nargs="*", help="names; default: all that are installed")
     parser.add_argument("--required", action="store_true", help="leave out sags of 4 and 8 deg")
-    parser.add_argument("--workers", type=int, default=1, help="number of processes")
     parser.add_argument("--record", type=Path, default=Path("benchmarks/servo_sweep.json"))
     parser.add_argument("-o", "--output", type=Path, default=Path("docs/servo_sweep.md"))
     arguments = parser.parse_args()
@@ -81,10 +87,10 @@ def main() -> None:
     rows = [(name, prefix_of(name, motion)) for name, motion in motions.items()]
     chosen = [(name, prefix) for name, prefix in rows if name in (arguments.gaits or every)]
     for cases in (REQUIRED,) if arguments.required else (REQUIRED, OTHERS):
-        for engine in reversed(available_engines()):  # MuJoCo first, which is much faster
+        for engine in arguments.engines or reversed(available_engines()):  # the faster one first
             for name, prefix in chosen:
-                complete(record, prefix, motions[name], engine, cases, arguments.workers)
-                replace_file(path, json.dumps(record, indent=1).encode())
+                for _ in completed(record, prefix, motions[name], engine, cases):
+                    replace_file(path, json.dumps(record, indent=1).encode())
                 replace_file(arguments.output, page(rows, record).encode())
                 print(name, engine, *cells(prefix, engine, record), sep=" | ", flush=True)
     replace_file(arguments.output, page(rows, record).encode())
@@ -107,31 +113,30 @@ def is_swept(name: str) -> bool:
     return gait.robot in ROBOTS and gait.motion in KINDS
 
 
-def complete(
-    record: Record,
-    prefix: str,
-    motion: Motion,
-    engine: EngineName,
-    cases: Sequence[Replayed],
-    workers: int,
-) -> None:
-    """Add to the record what is missing of one motion in one engine."""
-    missing = [case for case in cases if key(prefix, engine, case) not in record]
-    pd = tuple(case for case in missing if isinstance(case, Case))
-    for outcome in sweep_servos(motion, engine, cases=pd, workers=workers).outcomes:
-        record[key(prefix, engine, outcome.case)] = list(outcome.failed)
-    for factor in missing:
-        if not isinstance(factor, Case):
-            result = replay(motion, engine, servo="model", assumed_stiffness=factor)
+def completed(
+    record: Record, prefix: str, motion: Motion, engine: EngineName, cases: Sequence[Replayed]
+) -> Iterator[None]:
+    """Add to the record what is missing of one motion in one engine, one replay after another."""
+    for case in cases:
+        if (name := key(prefix, engine, case)) in record:
+            continue
+        if isinstance(case, Case):
+            (outcome,) = sweep_servos(motion, engine, cases=(case,)).outcomes
+            record[name] = list(outcome.failed)
+        else:
+            result = replay(motion, engine, servo="model", assumed_stiffness=case)
             failed = [c.name.removeprefix(f"{engine}_") for c in replay_checks(result) if not c.ok]
-            record[key(prefix, engine, factor)] = failed
+            record[name] = failed
+        yield
 
 
-def key(prefix: str, engine: EngineName, case: Replayed) -> str:
-    """Name of one replay in the record."""
+def key(prefix: str, engine: EngineName, case: Replayed, step_ms: float | None = None) -> str:
+    """Name of one replay in the record; step_ms: None for that of the engine."""
+    step_ms = 1e3 * DEFAULTS[engine].dt if step_ms is None else step_ms
+    place = f"{prefix} {engine} {step_ms:g}ms"
     if isinstance(case, Case):
-        return f"{prefix} {engine} pd {case.sag_deg:g} {case.friction:g}"
-    return f"{prefix} {engine} model {case:g}"
+        return f"{place} pd {case.sag_deg:g} {case.friction:g}"
+    return f"{place} model {case:g}"
 
 
 def mark(failed: list[str] | None) -> str:
@@ -147,6 +152,9 @@ def cells(prefix: str, engine: EngineName, record: Record) -> list[str]:
     """Outcomes of one motion in one engine, by sag and by wrong stiffness."""
 
     def marked(case: Replayed) -> str:
+        former = key(prefix, engine, case, FORMER_STEP_MS.get(engine))
+        if key(prefix, engine, case) not in record and former in record:
+            return f"({mark(record[former])})"
         return mark(record.get(key(prefix, engine, case)))
 
     by_sag = [[marked(Case(None, mu, sag)) for mu in FRICTIONS] for sag in SAGS_DEG]
