@@ -93,7 +93,7 @@ class Space:
         """
         tree = self.gait.model_dump()
         for key, value in values.items():
-            _set(tree, key, self.rounded(key, value))
+            _set(tree, key, self.rounded(key, value), "the search")
         walk = tree["walk"]
         if self.speed is not None:
             step_time = walk["single_support"] + walk["double_support"]
@@ -147,7 +147,7 @@ def value_at(gait: WalkGait, key: str) -> Any:
     return node
 
 
-def _set(tree: dict[str, Any], key: str, value: Value) -> None:
+def _set(tree: dict[str, Any], key: str, value: Any, source: str) -> None:
     """Set a value at a dotted key, whose last part may be the number of an element of a list."""
     head, _, last = key.rpartition(".")
     node: Any = tree
@@ -156,7 +156,7 @@ def _set(tree: dict[str, Any], key: str, value: Value) -> None:
     if isinstance(node, list):
         node[int(last)] = value
     else:
-        set_value(tree, key, value, "the search")
+        set_value(tree, key, value, source)
 
 
 def make_space(
@@ -186,7 +186,7 @@ def make_space(
     for key, value in (read_assignment(text, "--pin") for text in pins):
         value_at(gait, key)
         tree = gait.model_dump()
-        set_value(tree, key, value, "--pin")
+        _set(tree, key, value, "--pin")
         gait = build(WalkGait, tree, f"--pin {key}")
         found = {k: p for k, p in found.items() if k != key and not k.startswith(f"{key}.")}
     for text in frees:

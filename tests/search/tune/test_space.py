@@ -105,6 +105,9 @@ def test_a_pinned_key_keeps_its_value_and_a_freed_one_its_bounds():
     assert not {"walk.landing", "walk.zmp_offset.0", "walk.zmp_offset.1"} & set(keys)
     assert found.gait.walk.landing == 0.25
     assert found.gait.walk.zmp_offset == [0.001, 0.002]
+    one = space(pins=["walk.zmp_offset.0=0.003"])
+    assert one.gait.walk.zmp_offset[0] == 0.003
+    assert {p.key for p in one.parameters if "offset" in p.key} == {"walk.zmp_offset.1"}
     assert (keys["walk.step_height"].low, keys["walk.step_height"].high) == (0.013, 0.03)
     assert keys["ik.torso"].choices == ("free", "upright")
     values = found.start() | {"ik.torso": "upright", "com.passes": 2.4}
