@@ -24,9 +24,13 @@ OWN_SERVOS: dict[EngineName, tuple[ServoName, ...]] = {
 # jitter in PyBullet, and jitter loosens what dry friction holds.
 LOAD_FRICTION_STEP: dict[EngineName, float] = {"pybullet": 0.00025, "mujoco": 0.0005}
 
-# Shortest physics step [s] of replays under random conditions with servos of the engine's own. One
+# Shortest physics step [s] of replays under random conditions, and the servos that bear it. One
 # replay does not decide there, and the rate of survival is that of half the step.
-DRAW_STEP: dict[EngineName, float] = {"pybullet": 0.001, "mujoco": 0.001}
+DRAW_STEP = 0.001
+BEAR_DRAW_STEP: dict[EngineName, tuple[ServoName, ...]] = {
+    "pybullet": SERVOS,
+    "mujoco": ("ideal", "pd"),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +57,8 @@ class Settings:
 
 DEFAULTS: dict[EngineName, Settings] = {
     # PyBullet's rigid motors bear a slow damper only, a quick one hunts against the robot's own
-    # inertia. They yield to lasting loads alone, such as two feet that press on each other.
+    # inertia. They yield to lasting loads alone, such as two feet that press on each other. With
+    # steps of 1 ms soles creep and turn, docs/simulation.md#steps-of-pybullet.
     "pybullet": Settings(dt=0.0005, iterations=50, stiffness=1000.0, damping=0.3),
     "mujoco": Settings(dt=0.0005, iterations=50, stiffness=300.0, damping=0.02),
 }
@@ -61,6 +66,6 @@ DEFAULTS: dict[EngineName, Settings] = {
 
 def settings_of_draws(engine: EngineName, servo: ServoName, settings: Settings) -> Settings:
     """Settings of replays under random conditions; every draw has them, however it is replayed."""
-    if servo not in OWN_SERVOS[engine]:
+    if servo not in BEAR_DRAW_STEP[engine]:
         return settings
-    return dataclasses.replace(settings, dt=max(settings.dt, DRAW_STEP[engine]))
+    return dataclasses.replace(settings, dt=max(settings.dt, DRAW_STEP))

@@ -184,7 +184,7 @@ def _missing(
     motion: Motion, engine: EngineName, servo: ServoName, sag_deg: float, friction: float
 ) -> tuple[float, str]:
     settings = dataclasses.replace(
-        settings_of_draws(engine, servo, DEFAULTS[engine]),
+        DEFAULTS[engine],
         sag=math.radians(sag_deg),
         friction=friction,
     )
