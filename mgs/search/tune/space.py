@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, get_args
 
 from mgs.core.config import build, read_assignment, set_value
@@ -183,6 +183,7 @@ def make_space(
     """
     gait = _with_rolling_feet(gait)
     found = {p.key: p for p in default_parameters(robot, gait, objective)}
+    own = {key: p.own for key, p in found.items()}
     for key, value in (read_assignment(text, "--pin") for text in pins):
         value_at(gait, key)
         tree = gait.model_dump()
@@ -195,7 +196,7 @@ def make_space(
         for value in parameter.choices or (parameter.low, parameter.high):
             one = Space(gait, (parameter,), None)
             one.gait_of({parameter.key: value}, f"--free {parameter.key}")
-        found[parameter.key] = parameter
+        found[parameter.key] = replace(parameter, own=own.get(parameter.key))
     if not found:
         raise ConfigError("--pin", "every key is fixed, so that nothing is left to search")
     kept = None

@@ -110,6 +110,10 @@ def test_a_pinned_key_keeps_its_value_and_a_freed_one_its_bounds():
     assert {p.key for p in one.parameters if "offset" in p.key} == {"walk.zmp_offset.1"}
     assert (keys["walk.step_height"].low, keys["walk.step_height"].high) == (0.013, 0.03)
     assert keys["ik.torso"].choices == ("free", "upright")
+    height = next(p.own for p in space().parameters if p.key == "walk.com_height")
+    assert height is not None
+    low = space(frees=[f"walk.com_height={0.9 * height}:{1.1 * height}"])
+    assert low.start()["walk.com_height"] == height  # the gait file says null
     values = found.start() | {"ik.torso": "upright", "com.passes": 2.4}
     gait = found.gait_of(values)
     assert (gait.ik.torso, gait.com.passes) == ("upright", 2)
