@@ -15,12 +15,12 @@ been replayed, so that it can be interrupted at any time.
 from __future__ import annotations
 
 import argparse
-import hashlib
 import itertools
-import json
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+
+from records import prefix_of, read_record, write_record
 
 from mgs.core.atomic_files import replace_file
 from mgs.gait import list_gaits, load_gait
@@ -82,15 +82,15 @@ def main() -> None:
     arguments = parser.parse_args()
     every = [name for name in list_gaits() if is_swept(name)]
     path: Path = arguments.record
-    record: Record = json.loads(path.read_text()) if path.is_file() else {}
+    known, record = read_record(path)
     motions = {name: made(name) for name in every}
-    rows = [(name, prefix_of(name, motion)) for name, motion in motions.items()]
+    rows = [(name, prefix_of(name, motion, known)) for name, motion in motions.items()]
     chosen = [(name, prefix) for name, prefix in rows if name in (arguments.gaits or every)]
     for cases in (REQUIRED,) if arguments.required else (REQUIRED, OTHERS):
         for engine in arguments.engines or reversed(available_engines()):  # the faster one first
             for name, prefix in chosen:
                 for _ in completed(record, prefix, motions[name], engine, cases):
-                    replace_file(path, json.dumps(record, indent=1).encode())
+                    write_record(path, known, record)
                 replace_file(arguments.output, page(rows, record).encode())
                 print(name, engine, *cells(prefix, engine, record), sep=" | ", flush=True)
     replace_file(arguments.output, page(rows, record).encode())
@@ -100,11 +100,6 @@ def made(name: str) -> Motion:
     """The motion of a shipped gait."""
     gait = load_gait(name)
     return generate(load_robot(str(gait.robot)), gait, name).motion
-
-
-def prefix_of(name: str, motion: Motion) -> str:
-    """Beginning of the keys of a motion in the record."""
-    return f"{name} {hashlib.sha256(motion.q.tobytes()).hexdigest()[:12]}"
 
 
 def is_swept(name: str) -> bool:

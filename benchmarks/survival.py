@@ -13,10 +13,10 @@ so that it can be interrupted at any time.
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 
-from servo_sweep import is_swept, made, prefix_of
+from records import prefix_of, read_record, write_record
+from servo_sweep import is_swept, made
 
 from mgs.core.atomic_files import replace_file
 from mgs.gait import list_gaits, load_gait
@@ -55,9 +55,9 @@ def main() -> None:
     arguments = parser.parse_args()
     every = [name for name in list_gaits() if is_drawn(name)]
     path: Path = arguments.record
-    record: Record = json.loads(path.read_text()) if path.is_file() else {}
+    known, record = read_record(path)
     motions = {name: made(name) for name in every}
-    rows = [(name, prefix_of(name, motion)) for name, motion in motions.items()]
+    rows = [(name, prefix_of(name, motion, known)) for name, motion in motions.items()]
     for engine in arguments.engines or list(reversed(available_engines())):
         for name, prefix in rows:
             for servo in arguments.servos:
@@ -65,7 +65,7 @@ def main() -> None:
                     continue
                 while len(record.get(key(prefix, engine, servo), "")) < arguments.draws:
                     draw_some(record, prefix, motions[name], engine, servo)
-                    replace_file(path, json.dumps(record, indent=1).encode())
+                    write_record(path, known, record)
                     replace_file(arguments.output, page(rows, record).encode())
                 print(name, engine, servo, told(record, prefix, engine, servo), flush=True)
     replace_file(arguments.output, page(rows, record).encode())
