@@ -60,9 +60,11 @@ def test_a_step_is_answered_as_by_a_spring_and_a_damper(engine_name, mass, dampi
     t = dt * np.arange(1, n + 1)
     inertia = total_inertia(engine_name, robot, mass)
     expected = height * step_response(t, inertia, damping, 17.1)
-    # first-order integration; the light arm has a time constant of 0.1 ms that no step resolves
     np.testing.assert_allclose(angle[:, 0], expected, atol=0.035 * height)
+    if inertia / damping < dt:  # as of the light arm in PyBullet: the step does not resolve it
+        return
     halved, _, _ = run(robot, engine_name, np.full(2 * n, height), dt / 2)
+    # first-order integration
     assert np.abs(halved[1::2, 0] - expected).max() < 0.7 * np.abs(angle[:, 0] - expected).max()
 
 
