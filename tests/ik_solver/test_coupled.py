@@ -161,7 +161,7 @@ def test_solvers_that_move_every_joint_by_itself_say_so(nao: Robot, solver: str)
 
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("motion", MOTIONS, indirect=True)
-@pytest.mark.slow_if("walk", "turn")
+@pytest.mark.slow_if("walk", "turn", "pybullet")
 def test_it_stays_up_in_physics(motion: Motion, engine: EngineName):
     verdict = mgs.validate(motion, physics=engine)
     assert verdict.passed, str(verdict)
