@@ -29,7 +29,7 @@ LOAD_FRICTION_STEP: dict[EngineName, float] = {"pybullet": 0.00025, "mujoco": 0.
 DRAW_STEP = 0.001
 BEAR_DRAW_STEP: dict[EngineName, tuple[ServoName, ...]] = {
     "pybullet": SERVOS,
-    "mujoco": ("ideal", "pd"),
+    "mujoco": OWN_SERVOS["mujoco"],
 }
 
 
