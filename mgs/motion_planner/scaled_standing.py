@@ -20,11 +20,13 @@ from mgs.gait import BalanceGait, KeyframesGait, KickGait, PickUpGait
 from mgs.motion_planner.standing import standing_figures
 from mgs.robot import Robot, leg_length
 from mgs.robot.limbs import arm_joints, stretched_length
+from mgs.robot.role_names import ARM_ROLES
 from mgs.robot.roles import find_roles
 
 BALL_RADIUS, BALL_MASS = 0.115, 0.63  # in leg lengths, and in kg per square metre of leg length
 SMALL_LEG = 0.282  # [m] leg for which the durations of a kick are the defaults; sqrt of L otherwise
 KICK_TIMES = ("shift",)
+ARMS = [{f"{side.label}_{role}" for role in ARM_ROLES} for side in Side]  # roles of each arm
 RANGE_MARGIN = 0.05  # [rad] distance that angles of roles keep from the limits of their joints
 
 
@@ -143,9 +145,14 @@ class _Roles:
         self.robot, self.roles = robot, find_roles(robot)
 
     def angles(self, posture: dict[str, float], where: str) -> dict[str, float]:
-        """Joint angles by name of the joint [rad], inside the ranges of the joints."""
+        """Joint angles by name of the joint [rad], inside the ranges of the joints.
+
+        A robot without an arm needs no angles of that arm.
+        """
         robot, found = self.robot, {}
         for role, angle in posture.items():
+            if any(role in arm and not self.roles.keys() & arm for arm in ARMS):
+                continue
             if role not in self.roles:
                 raise ConfigError(
                     f"{where}.{role}",

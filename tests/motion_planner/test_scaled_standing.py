@@ -110,10 +110,17 @@ def test_lengths_are_multiples_of_the_leg_length(robot: Robot):
     assert kick.ball.mass == 0.3 and kick.lift == 0.7
 
 
-def test_a_missing_role_or_arm_is_told():
+def test_a_robot_without_arms_needs_no_angles_of_arms():
+    ready = for_robot(load_gait("generic/get_ready"), load_robot("coman_legs"))
+    assert ready.keyframes.keys[0].posture == {}
+
+
+def test_a_missing_role_or_hand_is_told():
     legs = load_robot("coman_legs")
-    with pytest.raises(ConfigError, match=r"posture\.left_elbow: coman_legs has no joint of this"):
-        for_robot(load_gait("generic/get_ready"), legs)
+    keys = "{sizes: relative, keys: [{time: 2.0, posture: {waist_yaw: 0.1}}]}"
+    turned = f"mgs: 1\nmotion: keyframes\nkeyframes: {keys}\n"
+    with pytest.raises(ConfigError, match=r"posture\.waist_yaw: coman_legs has no joint of this"):
+        for_robot(parse_gait(turned, "turned.yaml"), legs)
     with pytest.raises(ConfigError, match=r"keys\.0\.right_hand: coman_legs cannot move this hand"):
         for_robot(load_gait("generic/wave"), legs)
     with pytest.raises(ConfigError, match="relative is for motions with balance: on"):

@@ -1,26 +1,31 @@
 """Arms that keep clear of legs and trunk while the robot walks.
 
 While a robot walks its thighs swing, but its arms hang nearly still. Where a forearm or a hand
-would touch anything but its own arm, the hands are placed further out or forward.
+would touch anything but its own arm, the hands are placed further out or forward; if there are
+several such places, where they are also clear of the thighs in a squat or a bow.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pinocchio as pin
 
 from mgs.core.arrays import Array
-from mgs.core.constants import FLOATING_BASE_NV
+from mgs.core.constants import FLOATING_BASE_NQ, FLOATING_BASE_NV
+from mgs.core.contact import Side
 from mgs.robot.init.anatomy import Anatomy
-from mgs.robot.init.collisions import Watched, nearly_touching
+from mgs.robot.init.collisions import Watched, nearly_touching, steps_on_the_spot
 from mgs.robot.init.skeleton import Skeleton
 from mgs.robot.robot import Robot
+from mgs.robot.roles import find_roles
 
 # Directions of the hands that are tried, forward and outward, as of `find_posture`.
 HANDS = tuple((ahead, out) for out in (0.25, 0.35, 0.5, 0.8) for ahead in (0.2, 0.45, 0.8))
 HOLDING = 0.8  # of the torque that a servo of an arm bears for long; the rest moves the hand
+RAISED = 0.65  # [rad] largest angle by which the generic squat and bow bend the hips
+N_RAISED = 13  # number of angles up to RAISED that are tried
 MOST_NAMED = 3  # largest number of pairs of links in a note
 
 
@@ -71,35 +76,53 @@ def with_clear_arms(
     forearms = set().union(*(_forearm(skeleton, arm, links) for arm in anatomy.arms))
     apart = kept_apart(skeleton, anatomy, links)
 
-    def touching(candidate: Robot) -> list[tuple[str, str]]:
-        left, right = anatomy.legs
-        stepping = {skeleton.name(joint) for joint in [*left, *right]}
+    stepping = {skeleton.name(joint) for leg in anatomy.legs for joint in leg}
+
+    def touching(candidate: Robot) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
+        """Pairs that touch in a step, and those that touch while the hips bend."""
         moving = [i for i, name in enumerate(candidate.joint_names) if name in stepping]
-        watched = nearly_touching(candidate, apart, moving)
-        return [pair for pair in watched if forearms & set(pair)]
+        in_step, in_squat = (
+            [pair for pair in nearly_touching(candidate, apart, each) if forearms & set(pair)]
+            for each in (steps_on_the_spot(candidate, moving), _bent_hips(candidate))
+        )
+        return in_step, in_squat
 
     first = touching(robot)
-    if not first:
+    if not first[0]:
         return robot, None, []
-    named = ", ".join(f"{one} and {other}" for one, other in first[:MOST_NAMED])
+    named = ", ".join(f"{one} and {other}" for one, other in first[0][:MOST_NAMED])
     found, found_q, still = robot, None, first
     for hands in HANDS:
         candidate, q = placed(hands)
         if not _holds(candidate, skeleton, anatomy):
             continue
         left = touching(candidate)
-        if len(left) < len(still):
+        if tuple(map(len, left)) < tuple(map(len, still)):
             found, found_q, still = candidate, q, left
-        if not left:
+        if not any(left):
             break
     if found_q is not None:
         notes.append(f"hands held further out or forward, since in a step {named} would get close")
-    if still:
+    if still[0]:
         notes.append(
-            f"the shapes of {', '.join(' and '.join(pair) for pair in still)} may touch in a step; "
-            "they are listed in ignore_collisions, since they are larger than the links"
+            f"the shapes of {', '.join(' and '.join(pair) for pair in still[0])} may touch in a "
+            "step; they are listed in ignore_collisions, since they are larger than the links"
         )
-    return found, found_q, still
+    return found, found_q, still[0]
+
+
+def _bent_hips(robot: Robot) -> Iterator[Array]:
+    """Configurations (nq,) whose hips bend more and more; none if the hips have no pitch joints."""
+    roles = find_roles(robot)
+    hips = [roles[name] for side in Side if (name := f"{side.label}_hip_pitch") in roles]
+    for angle in np.linspace(0.0, RAISED, N_RAISED)[1:] if hips else ():
+        q = robot.standing_q.copy()
+        for hip in hips:  # a positive angle of the role moves the thigh back
+            bent = robot.posture[hip.joint] - hip.sign * angle
+            q[FLOATING_BASE_NQ + hip.joint] = np.clip(
+                bent, robot.lower[hip.joint], robot.upper[hip.joint]
+            )
+        yield q
 
 
 def _holds(robot: Robot, skeleton: Skeleton, anatomy: Anatomy) -> bool:

@@ -31,16 +31,23 @@ def touching_pairs(robot: Robot, watched: Watched) -> list[tuple[str, str]]:
     return sorted(found)
 
 
-def nearly_touching(robot: Robot, watched: Watched, moving: Iterable[int]) -> list[tuple[str, str]]:
-    """Pairs of `watched` links that touch in the posture, or while the joints `moving` take steps.
+def nearly_touching(
+    robot: Robot, watched: Watched, configurations: Iterable[Array]
+) -> list[tuple[str, str]]:
+    """Pairs of `watched` links closer than `APART` in one of some configurations (nq,).
 
-    Nearly touching are links closer than `APART`. `moving` are places in the joint angles. Pairs
-    with one link between them are left out.
+    Pairs with one link between them are left out.
     """
     found, near = set(), APART * leg_length(robot)
-    for q in (robot.standing_q, *_nearby(robot, moving, STEPPING)):
+    for q in configurations:
         found |= {pair for pair in _touching(robot, q, near) if watched(*pair)}
     return sorted(found - set(_across_a_link(robot)))
+
+
+def steps_on_the_spot(robot: Robot, moving: Iterable[int]) -> Iterator[Array]:
+    """The posture, and configurations (nq,) of steps; leg joints are at `moving` in the angles."""
+    yield robot.standing_q
+    yield from _nearby(robot, moving, STEPPING)
 
 
 def _nearby(robot: Robot, moving: Iterable[int], reach: float) -> Iterator[Array]:

@@ -16,14 +16,14 @@ from mgs.robot.init import DraftFolder, init_robot
 from tests.support.bipeds import Biped
 
 
-def gloves(width: float, mass: float = 0.1) -> list[str]:
-    """Boxes on the forearms that reach down to the thighs [m]."""
+def gloves(width: float, mass: float = 0.1, height: float = 0.1, below: float = 0.2) -> list[str]:
+    """Boxes on the forearms, below the elbows, that reach down to the thighs [m]."""
     return [
         f'<joint name="{side}_glove" type="fixed"><parent link="{side}_elbow_pitch_link"/>'
-        f'<child link="{side}_glove_link"/><origin xyz="0 0 -0.2"/></joint>'
+        f'<child link="{side}_glove_link"/><origin xyz="0 0 {-below}"/></joint>'
         f'<link name="{side}_glove_link"><inertial><mass value="{mass}"/>'
         f'<inertia ixx="1e-3" iyy="1e-3" izz="1e-3" ixy="0" ixz="0" iyz="0"/></inertial>'
-        f'<collision><geometry><box size="{width} {width} 0.1"/></geometry></collision></link>'
+        f'<collision><geometry><box size="{width} {width} {height}"/></geometry></collision></link>'
         for side in ("left", "right")
     ]
 
@@ -62,6 +62,16 @@ def test_hands_keep_clear_of_thighs_in_a_step(width: float, tmp_path: Path):
     thighs = ("left_hip_pitch_link", "left_knee_pitch_link", "pelvis")
     assert not any(frozenset((one, "left_elbow_pitch_link")) in ignored for one in thighs)
     assert any("held further out" in note for note in draft.notes) == (width > 0.1)
+
+
+def test_hands_that_are_moved_are_clear_of_the_thighs_in_a_squat(tmp_path: Path):
+    robot = drafted(tmp_path, Biped(extra=gloves(0.26, height=0.2, below=0.3))).robot
+    hips = [i for i, name in enumerate(robot.joint_names) if "hip_pitch" in name]
+    forward = np.sign(robot.posture[hips])  # the posture bends them
+    for angle in np.linspace(0.03, 0.63, 7):
+        angles = robot.posture.copy()
+        angles[hips] += angle * forward
+        assert arm_contacts(robot, angles) == set()
 
 
 def test_the_default_walk_of_a_robot_with_wide_hands_touches_nothing(tmp_path: Path):
