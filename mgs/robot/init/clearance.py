@@ -21,8 +21,11 @@ from mgs.robot.init.skeleton import Skeleton
 from mgs.robot.robot import Robot
 from mgs.robot.roles import find_roles
 
-# Directions of the hands that are tried, forward and outward, as of `find_posture`.
-HANDS = tuple((ahead, out) for out in (0.25, 0.35, 0.5, 0.8) for ahead in (0.2, 0.45, 0.8))
+# Directions of the hands that are tried, forward and outward, as of `find_posture`: nearest first.
+HANDS = (
+    (0.2, 0.25), (0.2, 0.35), (0.45, 0.25), (0.45, 0.35), (0.2, 0.5), (0.45, 0.5), (0.8, 0.25),
+    (0.2, 0.8), (0.8, 0.35), (0.45, 0.8), (0.8, 0.5), (0.8, 0.8),
+)  # fmt: skip
 HOLDING = 0.8  # of the torque that a servo of an arm bears for long; the rest moves the hand
 RAISED = 0.65  # [rad] largest angle by which the generic squat and bow bend the hips
 N_RAISED = 13  # number of angles up to RAISED that are tried
