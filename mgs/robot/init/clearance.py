@@ -1,8 +1,8 @@
 """Arms that keep clear of legs and trunk while the robot walks.
 
 While a robot walks its thighs swing, but its arms hang nearly still. Where a forearm or a hand
-would touch anything but its own arm, the hands are placed further out or forward; if there are
-several such places, where they are also clear of the thighs in a squat or a bow.
+would touch anything but its own arm, the hands are placed further out or forward. There
+they also have room to sway, and are clear of the thighs in a squat or a bow, if they can be.
 """
 
 from __future__ import annotations
@@ -81,14 +81,17 @@ def with_clear_arms(
 
     stepping = {skeleton.name(joint) for leg in anatomy.legs for joint in leg}
 
-    def touching(candidate: Robot) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
-        """Pairs that touch in a step, and those that touch while the hips bend."""
+    def touching(candidate: Robot) -> list[list[tuple[str, str]]]:
+        """Pairs that touch in a step, if the robot sways as well, and while the hips bend."""
         moving = [i for i, name in enumerate(candidate.joint_names) if name in stepping]
-        in_step, in_squat = (
+        return [
             [pair for pair in nearly_touching(candidate, apart, each) if forearms & set(pair)]
-            for each in (steps_on_the_spot(candidate, moving), _bent_hips(candidate))
-        )
-        return in_step, in_squat
+            for each in (
+                steps_on_the_spot(candidate, moving, sways=False),
+                steps_on_the_spot(candidate, moving, sways=True),
+                _bent_hips(candidate),
+            )
+        ]
 
     first = touching(robot)
     if not first[0]:
@@ -100,7 +103,7 @@ def with_clear_arms(
         if not _holds(candidate, skeleton, anatomy):
             continue
         left = touching(candidate)
-        if tuple(map(len, left)) < tuple(map(len, still)):
+        if list(map(len, left)) < list(map(len, still)):
             found, found_q, still = candidate, q, left
         if not any(left):
             break

@@ -15,6 +15,7 @@ from mgs.robot.robot import Robot
 Watched = Callable[[str, str], bool]  # whether two links must be kept from touching
 NEARBY, N_NEARBY = 0.25, 40  # [rad] range around the posture, number of random postures
 STEPPING = 0.15  # [rad] range of the leg joints around the posture in the steps of a slow walk
+SWAYING = 0.1  # [rad] range of arms and waist in such a walk
 APART = 0.02  # distance of links that do not nearly touch, in leg lengths: hands sway a little
 
 
@@ -44,10 +45,16 @@ def nearly_touching(
     return sorted(found - set(_across_a_link(robot)))
 
 
-def steps_on_the_spot(robot: Robot, moving: Iterable[int]) -> Iterator[Array]:
-    """The posture, and configurations (nq,) of steps; leg joints are at `moving` in the angles."""
+def steps_on_the_spot(robot: Robot, legs: list[int], sways: bool) -> Iterator[Array]:
+    """The posture, and configurations (nq,) of steps.
+
+    Leg joints are at `legs` in the angles; the other joints move too if the robot `sways`.
+    """
     yield robot.standing_q
-    yield from _nearby(robot, moving, STEPPING)
+    others = [i for i in range(robot.n) if i not in legs] if sways else []
+    swaying = _nearby(robot, others, SWAYING)
+    for stepping, q in zip(_nearby(robot, legs, STEPPING), swaying, strict=True):
+        yield stepping + q - robot.standing_q
 
 
 def _nearby(robot: Robot, moving: Iterable[int], reach: float) -> Iterator[Array]:
