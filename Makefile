@@ -9,8 +9,9 @@ VENV := .venv
 BIN := $(VENV)/bin
 DEMO := outputs/demo
 # One process per processor core. Each takes over a stretch of the tests, so that neighbours share
-# what they need; whoever is done first helps the others.
-PYTEST := $(BIN)/python -m pytest -q -n auto --dist worksteal
+# what they need; whoever is done first helps the others. OpenBLAS takes one thread in each, as in the
+# command mgs: more would wait for each other.
+PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n auto --dist worksteal
 
 .PHONY: demo test test-all lint docs bench gallery docs-figures clean
 

@@ -71,6 +71,7 @@ def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     return made
 
 
+@pytest.mark.slow_if("1000", "10000")
 @pytest.mark.parametrize("command", [*FOLDER, *MOTION], ids=lambda command: "-".join(command[:2]))
 def test_a_long_chain_is_refused_by_every_command(command: tuple[str, ...], folder: Path) -> None:
     before = set(folder.rglob("*"))

@@ -237,6 +237,7 @@ def test_a_motion_that_falls_is_reported_as_fallen(
     assert "FELL" in replayed.stdout
 
 
+@pytest.mark.slow_if("pybullet")
 @pytest.mark.parametrize("servo", ["ideal", "model"])
 @pytest.mark.parametrize("engine", available_engines())
 def test_the_motion_they_are_made_of_stays_up(

@@ -91,6 +91,7 @@ def test_the_verdict_is_that_of_the_command(
     )
 
 
+@pytest.mark.slow
 def test_without_a_word_every_engine_that_is_installed_replays_the_motion(walk: Motion):
     engines = available_engines()
     assert engines

@@ -387,6 +387,7 @@ def test_a_record_longer_than_the_file_takes_no_memory(length: int, tmp_path: Pa
     assert opcodes >= {Opcode.ATTACHMENT, Opcode.METADATA}
 
 
+@pytest.mark.slow_if("topic by topic", "by default")
 @pytest.mark.parametrize("variant", ["without chunks", "topic by topic", "by default"])
 def test_reading_a_rewritten_file_takes_little_more_memory_than_its_motion(
     variant: str, tmp_path: Path

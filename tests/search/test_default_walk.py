@@ -29,6 +29,7 @@ def test_a_robot_that_an_engine_refuses_is_named(monkeypatch: pytest.MonkeyPatch
     assert "has loaded another robot" in engines.figure
 
 
+@pytest.mark.slow_if("speed_limit")
 @pytest.mark.parametrize(
     ("figure", "factor", "told"),
     [("torque_limit", 0.2, "joint_torque "), ("speed_limit", 0.02, "")],

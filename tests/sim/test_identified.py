@@ -127,7 +127,7 @@ def test_the_equations_are_those_of_the_reference(name, trajectory):
 
 @pytest.mark.parametrize("trajectory", GOALS)
 @pytest.mark.parametrize("name", LOADS)
-@pytest.mark.slow_if("xl330")
+@pytest.mark.slow_if("xl330", "mx106")
 def test_a_pendulum_moves_as_the_reference_does(engine_name, name, trajectory):
     """Within 1 % of the amplitude; PyBullet has no rotors, there the pendulum bears the rotor.
 

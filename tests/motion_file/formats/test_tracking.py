@@ -88,6 +88,7 @@ def test_links_are_where_mujoco_has_them(name: str, fmt: str, tmp_path: Path):
     assert np.abs(np.abs(np.sum(quat[:, bodies] * found.quat_wxyz, axis=-1)) - 1.0).max() < 1e-6
 
 
+@pytest.mark.slow_if("coman/walk_arc")
 @pytest.mark.parametrize("name", GAITS)
 @pytest.mark.parametrize("fmt", LOADERS)
 def test_velocities_are_the_derivatives_of_the_places(name: str, fmt: str, tmp_path: Path):
