@@ -43,7 +43,6 @@ REQUIRED: tuple[Replayed, ...] = (
     *(case for case in PD_CASES if case.sag_deg in REQUIRED_SAGS_DEG), *WRONG_STIFFNESS
 )  # fmt: skip
 OTHERS: tuple[Replayed, ...] = tuple(case for case in PD_CASES if case not in REQUIRED)
-FORMER_STEP_MS: dict[EngineName, float] = {"pybullet": 1.0, "mujoco": 0.5}
 Record = dict[str, list[str]]  # failed checks by case
 
 HEAD = """# Motions on plain PD servos
@@ -59,14 +58,10 @@ three coefficients of friction, 0.7, 1.0 and 1.3:
 - `-` it falls,
 - `.` it has not been replayed.
 
-PyBullet takes steps of 0.5 ms as MuJoCo does; a mark in parentheses is of a replay with its former
-step of 1 ms, with which soles slip more ([why](simulation.md#steps-of-pybullet)).
-
 The last columns are replays with the servos of robot.yaml, at friction 1.0, told feed-forward
 commands for a stiffness 0.7 and 1.4 times theirs. A motion counts as robust when it passes in both
 engines at sags of 0.5, 1 and 2 deg with all three frictions, and with both of these commands; it
-counts as open while none of these replays fails and some have not been made. `(yes)` stands where
-some of its marks are in parentheses.
+counts as open while none of these replays fails and some have not been made.
 """
 
 
@@ -126,10 +121,9 @@ def completed(
         yield
 
 
-def key(prefix: str, engine: EngineName, case: Replayed, step_ms: float | None = None) -> str:
-    """Name of one replay in the record; step_ms: None for that of the engine."""
-    step_ms = 1e3 * DEFAULTS[engine].dt if step_ms is None else step_ms
-    place = f"{prefix} {engine} {step_ms:g}ms"
+def key(prefix: str, engine: EngineName, case: Replayed) -> str:
+    """Name of one replay in the record."""
+    place = f"{prefix} {engine} {1e3 * DEFAULTS[engine].dt:g}ms"
     if isinstance(case, Case):
         return f"{place} pd {case.sag_deg:g} {case.friction:g}"
     return f"{place} model {case:g}"
@@ -144,38 +138,24 @@ def mark(failed: list[str] | None) -> str:
     return "-" if {"upright", "diverged"} & set(failed) else "o"
 
 
-def outcome_of(
-    prefix: str, engine: EngineName, case: Replayed, record: Record
-) -> tuple[list[str] | None, bool]:
-    """Failed checks of one replay (None: it has not been made), and whether its step was larger."""
-    present, former = (key(prefix, engine, case, step) for step in (None, FORMER_STEP_MS[engine]))
-    is_former = present not in record and former in record
-    return record.get(former if is_former else present), is_former
-
-
 def cells(prefix: str, engine: EngineName, record: Record) -> list[str]:
     """Outcomes of one motion in one engine, by sag and by wrong stiffness."""
 
     def marked(case: Replayed) -> str:
-        failed, is_former = outcome_of(prefix, engine, case, record)
-        return f"({mark(failed)})" if is_former else mark(failed)
+        return mark(record.get(key(prefix, engine, case)))
 
     by_sag = [[marked(Case(None, mu, sag)) for mu in FRICTIONS] for sag in SAGS_DEG]
     return [*map(" ".join, by_sag), *map(marked, WRONG_STIFFNESS)]
 
 
 def robustness(prefix: str, record: Record) -> str:
-    """Whether a motion passes all that is required: yes, (yes), no, or open."""
+    """Whether a motion passes all that is required: yes, no, or open."""
     outcomes = [
-        outcome_of(prefix, engine, case, record)
-        for engine in available_engines()
-        for case in REQUIRED
+        record.get(key(prefix, engine, case)) for engine in available_engines() for case in REQUIRED
     ]
-    if any(failed for failed, _ in outcomes):
+    if any(failed for failed in outcomes):
         return "no"
-    if any(failed is None for failed, _ in outcomes):
-        return "open"
-    return "(yes)" if any(is_former for _, is_former in outcomes) else "yes"
+    return "open" if None in outcomes else "yes"
 
 
 def line(name: str, prefix: str, record: Record) -> str:
@@ -202,8 +182,8 @@ def page(rows: Sequence[tuple[str, str]], record: Record) -> str:
         *(line(name, prefix, record) for name, prefix in rows),
     ]
     count = (
-        f"Robust: {told.count('yes')} of {len(rows)}, and {told.count('(yes)')} with the former "
-        f"step of PyBullet; not robust: {told.count('no')}; open: {told.count('open')}.\n"
+        f"Robust: {told.count('yes')} of {len(rows)}; not robust: {told.count('no')}; "
+        f"open: {told.count('open')}.\n"
     )
     return "\n".join([HEAD, count, *table, "", *failures(rows, record), ""])
 
@@ -214,7 +194,7 @@ def failures(rows: Sequence[tuple[str, str]], record: Record) -> list[str]:
     lines.append("| --- | --- | --- |")
     for name, prefix in rows:
         for engine in available_engines():
-            outcomes = [outcome_of(prefix, engine, case, record)[0] for case in REQUIRED]
+            outcomes = [record.get(key(prefix, engine, case)) for case in REQUIRED]
             failed = Counter(check for checks in outcomes for check in checks or ())
             if failed:
                 told = ", ".join(f"{check} ({n} of {len(outcomes)})" for check, n in failed.items())
