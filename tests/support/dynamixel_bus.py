@@ -136,9 +136,16 @@ class Line:
 
     def receive(self, data: bytes) -> bytes:
         answers = b""
-        for packet in self.parser.feed(self.damaged(data)):
-            answers += self.answer(packet)
+        for sent in self.apart(data):
+            for packet in self.parser.feed(self.damaged(sent)):
+                answers += self.answer(packet)
         return answers
+
+    def apart(self, data: bytes) -> list[bytes]:
+        """Packets that were read together: each of them has its own fate."""
+        header = b"\xff\xff\xfd\x00" if self.setting.protocol == 2 else b"\xff\xff"
+        rest, *packets = data.split(header)
+        return [sent for sent in (rest, *(header + packet for packet in packets)) if sent]
 
     def since(self, times: dict[str, float], servo: int) -> bool:
         after = times.get(str(servo))
