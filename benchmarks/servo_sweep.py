@@ -153,7 +153,7 @@ def robustness(prefix: str, record: Record) -> str:
     outcomes = [
         record.get(key(prefix, engine, case)) for engine in available_engines() for case in REQUIRED
     ]
-    if any(failed for failed in outcomes):
+    if any(outcomes):
         return "no"
     return "open" if None in outcomes else "yes"
 

@@ -96,7 +96,7 @@ class KeyframesParameters(Model):
         "robot with `balance: on`: com in multiples of the leg length; left_hand and "
         "right_hand from the shoulder, in multiples of the arm length; joints in "
         "posture by role (`mgs robot show`), their angles from the half-sitting "
-        "posture; those of arms are left out on a robot without arms.",
+        "posture; those of arm joints that the robot does not have are left out.",
     )
     balance: Switch = Field(
         "on",

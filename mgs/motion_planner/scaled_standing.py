@@ -26,7 +26,7 @@ from mgs.robot.roles import find_roles
 BALL_RADIUS, BALL_MASS = 0.115, 0.63  # in leg lengths, and in kg per square metre of leg length
 SMALL_LEG = 0.282  # [m] leg for which the durations of a kick are the defaults; sqrt of L otherwise
 KICK_TIMES = ("shift",)
-ARMS = [{f"{side.label}_{role}" for role in ARM_ROLES} for side in Side]  # roles of each arm
+OF_ARMS = {f"{side.label}_{role}" for side in Side for role in ARM_ROLES}
 RANGE_MARGIN = 0.05  # [rad] distance that angles of roles keep from the limits of their joints
 
 
@@ -147,11 +147,11 @@ class _Roles:
     def angles(self, posture: dict[str, float], where: str) -> dict[str, float]:
         """Joint angles by name of the joint [rad], inside the ranges of the joints.
 
-        A robot without an arm needs no angles of that arm.
+        A joint of an arm that the robot does not have needs no angle.
         """
         robot, found = self.robot, {}
         for role, angle in posture.items():
-            if any(role in arm and not self.roles.keys() & arm for arm in ARMS):
+            if role not in self.roles and role in OF_ARMS:
                 continue
             if role not in self.roles:
                 raise ConfigError(

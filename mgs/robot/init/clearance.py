@@ -1,8 +1,8 @@
 """Arms that keep clear of legs and trunk while the robot walks.
 
 While a robot walks its thighs swing, but its arms hang nearly still. Where a forearm or a hand
-would touch anything but its own arm, the hands are placed further out or forward. There
-they also have room to sway, and are clear of the thighs in a squat or a bow, if they can be.
+would touch anything but its own arm, the hands are placed further out or forward. There they also
+have room to sway, and are clear of the thighs in a squat or a bow, if they can be.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ HANDS = (
     (0.2, 0.8), (0.8, 0.35), (0.45, 0.8), (0.8, 0.5), (0.8, 0.8),
 )  # fmt: skip
 HOLDING = 0.8  # of the torque that a servo of an arm bears for long; the rest moves the hand
-RAISED = 0.65  # [rad] largest angle by which the generic squat and bow bend the hips
+RAISED = 0.65  # [rad] a little more than the generic squat and bow bend the hips (0.60 on OP3)
 N_RAISED = 13  # number of angles up to RAISED that are tried
 MOST_NAMED = 3  # largest number of pairs of links in a note
 
@@ -78,7 +78,6 @@ def with_clear_arms(
         return robot, None, []
     forearms = set().union(*(_forearm(skeleton, arm, links) for arm in anatomy.arms))
     apart = kept_apart(skeleton, anatomy, links)
-
     stepping = {skeleton.name(joint) for leg in anatomy.legs for joint in leg}
 
     def touching(candidate: Robot) -> list[list[tuple[str, str]]]:
