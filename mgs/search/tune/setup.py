@@ -9,6 +9,7 @@ from mgs.gait import Gait, WalkGait
 from mgs.judge.motion_checks import check_motion
 from mgs.motion_planner import for_robot
 from mgs.pipeline import run_stages
+from mgs.pipeline.fit import fit_walk
 from mgs.robot import Robot, servos_of
 from mgs.search.tune.evaluate import TuneTask
 from mgs.search.tune.objective import ObjectiveName, known_score, plan_figures
@@ -56,8 +57,7 @@ def make_task(
     """
     if not isinstance(gait, WalkGait):
         raise ConfigError(f"{gait.motion} gait", "only a walk (motion: walk) can be tuned")
-    resolved = for_robot(gait, robot)
-    assert isinstance(resolved, WalkGait)
+    resolved = with_sizes(robot, gait)
     if objective == "robust" and n_draws == 0:
         raise ConfigError("--draws", "robustness cannot be sought without random conditions")
     space = make_space(robot, resolved, objective, speed=speed, pins=pins, frees=frees)
@@ -77,6 +77,18 @@ def make_task(
         least_margin=margin or 0.0,
         least_score=score,
     )
+
+
+def with_sizes(robot: Robot, gait: WalkGait) -> WalkGait:
+    """The walk with the sizes that `mgs generate` chooses for those that the gait leaves out."""
+    if gait.walk.sizes == "given":
+        return gait
+    try:
+        found = fit_walk(robot, gait)[0].motion.gait
+    except InfeasibleGaitError:  # the search may find a walk that the robot can do
+        found = for_robot(gait, robot)
+    assert isinstance(found, WalkGait)
+    return found
 
 
 def servos_for(robot: Robot) -> tuple[ServoName, ...]:

@@ -182,7 +182,7 @@ def make_space(
         ConfigError: an assignment is malformed, a key is unknown, or bounds are not allowed.
     """
     gait = _with_rolling_feet(gait)
-    found = {p.key: p for p in default_parameters(robot, gait, objective)}
+    found = {p.key: _reaching(p, gait) for p in default_parameters(robot, gait, objective)}
     own = {key: p.own for key, p in found.items()}
     for key, value in (read_assignment(text, "--pin") for text in pins):
         value_at(gait, key)
@@ -214,6 +214,16 @@ def _with_rolling_feet(gait: WalkGait) -> WalkGait:
         return gait
     walk = gait.walk.model_copy(update={"foot_roll": FootRollParameters()})
     return gait.model_copy(update={"walk": walk})
+
+
+def _reaching(parameter: Parameter, gait: WalkGait) -> Parameter:
+    """A parameter whose bounds reach the value of the start gait, but for the least clearance."""
+    value = value_at(gait, parameter.key)
+    if parameter.choices or value is None:
+        return parameter
+    fixed = parameter.key == "walk.step_height" or (parameter.log and value <= 0.0)
+    low = parameter.low if fixed else min(parameter.low, value)
+    return replace(parameter, low=low, high=max(parameter.high, value))
 
 
 def _freed(text: str) -> Parameter:
@@ -251,7 +261,7 @@ def default_parameters(robot: Robot, gait: WalkGait, objective: ObjectiveName) -
         Parameter("walk.double_support", 0.3 * time, 6.0 * time, log=True),
         Parameter("walk.com_height", 0.88 * height, 1.04 * height, own=height),
         Parameter("walk.step_height", 1.05 * LEAST_CLEARANCE * leg, 0.2 * leg),
-        Parameter("walk.landing", 0.0, 0.4),
+        Parameter("walk.landing", 0.0, 0.5),
         Parameter("walk.swing_profile", choices=get_args(SwingProfile)),
         Parameter("walk.zmp_offset.0", -0.15 * sole.length, 0.15 * sole.length),
         Parameter("walk.zmp_offset.1", -0.1 * sole.width, 0.25 * sole.width),

@@ -96,6 +96,22 @@ def test_bounds_grow_with_the_robot():
     assert large[key].low / small[key].low == pytest.approx(math.sqrt(ratio))
 
 
+def test_bounds_reach_the_start_gait_but_for_the_least_clearance():
+    usual = {p.key: p for p in space("speed").parameters}
+    beyond = {"single_support": 2.4, "landing": 0.5, "step_length": 0.02, "step_height": 0.005}
+    walk = WALK.walk.model_copy(update=beyond)
+    ik = WALK.ik.model_copy(update={"gamma_joint": 0.0})
+    gait = WALK.model_copy(update={"walk": walk, "ik": ik})
+    found = make_space(MELSON, gait, "speed")
+    start, bounds = found.start(), {p.key: p for p in found.parameters}
+    assert bounds["walk.single_support"].high == start["walk.single_support"] == 2.4
+    assert bounds["walk.landing"].high == start["walk.landing"] == 0.5
+    assert bounds["walk.step_length"].low == start["walk.step_length"] == 0.02
+    assert bounds["walk.step_height"] == usual["walk.step_height"]
+    assert start["walk.step_height"] == usual["walk.step_height"].low
+    assert bounds["ik.gamma_joint"] == usual["ik.gamma_joint"]  # 0 has no logarithm
+
+
 def test_a_pinned_key_keeps_its_value_and_a_freed_one_its_bounds():
     found = space(
         pins=["walk.landing=0.25", "walk.zmp_offset=[0.001, 0.002]"],
