@@ -151,7 +151,7 @@ def judge_plan(task: TuneTask, motion: Motion) -> Found:
     clearance, margin = least_clearance(task.robot), task.least_margin - ROUNDING
     if figures["clearance"] < clearance:
         limits.append(("clearance", 1.0 - figures["clearance"] / clearance))
-    if figures["zmp_margin"] < margin:
+    if 0.0 < margin > figures["zmp_margin"]:
         limits.append(("margin asked for", min(1.0, 1.0 - figures["zmp_margin"] / margin)))
     if not limits:
         return Found(0.0, STAGES[-1], figures=figures)

@@ -74,6 +74,18 @@ def test_a_plan_that_shuffles_or_loses_its_margin_fails(walk: Motion):
     assert -4.0 < judge_plan(strict, walk).score < -3.0
 
 
+@pytest.mark.parametrize("margin", [0.0, 5e-5, 0.01])
+@pytest.mark.parametrize("outside", [1e-5, 1e-3, 0.5])
+def test_a_plan_whose_zmp_leaves_the_polygon_scores_below_every_replay(
+    walk: Motion, monkeypatch: pytest.MonkeyPatch, outside: float, margin: float
+):
+    check = Check("zmp_margin", False, -outside, 0.0, "m", None, "")
+    monkeypatch.setattr(module, "check_motion", lambda _: [check])
+    found = judge_plan(easy_task(margin=margin), walk)
+    assert found.stage == STAGES[1]
+    assert -4.0 < found.score < -3.0
+
+
 class Fakes:
     """Stands for all stages; `fails` names the first check or replay that fails."""
 
