@@ -50,8 +50,8 @@ def main() -> None:
     parser.add_argument("--engines", nargs="*", help="names; default: all that are installed")
     parser.add_argument("--servos", nargs="*", default=list(SERVOS), help="ideal, model")
     parser.add_argument("--draws", type=int, default=DRAWS, help="number of draws")
-    parser.add_argument("--record", type=Path, default=Path("outputs/survival.json"))
-    parser.add_argument("-o", "--output", type=Path, default=Path("outputs/survival.md"))
+    parser.add_argument("--record", type=Path, default=Path("benchmarks/survival.json"))
+    parser.add_argument("-o", "--output", type=Path, default=Path("docs/survival.md"))
     arguments = parser.parse_args()
     every = [name for name in list_gaits() if is_drawn(name)]
     path: Path = arguments.record

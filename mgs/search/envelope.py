@@ -22,6 +22,7 @@ from mgs.judge.motion_checks import Check, check_motion
 from mgs.judge.processes import in_order
 from mgs.judge.verdict import replay_checks
 from mgs.motion_planner.phases import MIN_SAMPLES
+from mgs.motion_planner.scaling import REST
 from mgs.pipeline import run_stages
 from mgs.robot import Robot, leg_length
 from mgs.sim import EngineName, ServoName, replay
@@ -115,6 +116,8 @@ def default_walk(robot: Robot, name: str) -> WalkGait:
         step_height=step_height,
         single_support=share,
         double_support=round(1.0 - share, 9),
+        lead_in=REST,
+        lead_out=REST,
     )
     return WalkGait(mgs=1, robot=name, motion="walk", walk=walk)
 

@@ -172,7 +172,7 @@ def _replayed(task: TuneTask, motion: Motion, engine: EngineName) -> tuple[float
     """
     cases: list[tuple[ServoName, float, float]]
     cases = [(servo, 1.0, 1.0) for servo in task.servos if servo != "pd"]
-    cases += [("pd", *case) for case in PD_CASES[: None if engine == min(task.engines) else 1]]
+    cases += [("pd", *case) for case in PD_CASES]
     for i, (servo, sag_deg, friction) in enumerate(cases):
         bad, reason = _missing(motion, engine, servo, sag_deg, friction)
         if bad:
