@@ -14,7 +14,7 @@ from mgs.search.tune.setup import make_task
 from mgs.search.tune.space import Value
 
 MELSON = load_robot("melson")
-BEST = {"walk.step_height": 0.8, "walk.landing": 0.3}  # places between the bounds
+BEST = {"walk.step_height": 0.8, "walk.landing": 0.15}  # places between the bounds
 PINS = tuple(
     f"{key}=0.01" for key in ("walk.zmp_travel", "walk.arm_swing", "com.margin", "com.weight_jerk")
 )
