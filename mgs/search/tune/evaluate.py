@@ -170,9 +170,10 @@ def _replayed(task: TuneTask, motion: Motion, engine: EngineName) -> tuple[float
 
     None: they pass.
     """
-    cases: list[tuple[ServoName, float, float]]
-    cases = [(servo, 1.0, 1.0) for servo in task.servos if servo != "pd"]
-    cases += [("pd", *case) for case in PD_CASES]
+    cases: list[tuple[ServoName, float, float]] = [
+        *((servo, 1.0, 1.0) for servo in task.servos if servo != "pd"),
+        *(("pd", *case) for case in PD_CASES),
+    ]
     for i, (servo, sag_deg, friction) in enumerate(cases):
         bad, reason = _missing(motion, engine, servo, sag_deg, friction)
         if bad:
