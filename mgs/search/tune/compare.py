@@ -15,15 +15,13 @@ from mgs.judge.motion_checks import check_motion
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
 from mgs.pipeline import run_stages
-from mgs.search.tune.evaluate import TuneTask
+from mgs.search.tune.evaluate import PD_CASES, TuneTask
 from mgs.search.tune.objective import plan_figures
 from mgs.search.tune.space import STEP_KEYS, value_at
 from mgs.search.tune.study import Search
 from mgs.sim import DEFAULTS, EngineName, ServoName, replay
 
 HELD_OUT = 1_000_003  # added to the seed of the search
-SAGS_DEG = (0.5, 1.0, 2.0)
-FRICTIONS = (0.7, 1.0, 1.3)
 
 
 @dataclass(frozen=True)
@@ -93,9 +91,8 @@ def assess(
             if servo != "pd":
                 failed += _failed(motion, engine, servo)
             step()
-        cases = [(sag, friction) for sag in SAGS_DEG for friction in FRICTIONS]
-        passed = sum(not _failed(motion, engine, "pd", *case) for case in cases)
-        swept[engine] = (passed, len(cases))
+        passed = sum(not _failed(motion, engine, "pd", *case) for case in PD_CASES)
+        swept[engine] = (passed, len(PD_CASES))
         step()
     survival = []
     for column in task.columns if n_draws else ():

@@ -36,7 +36,10 @@ from mgs.sim.prepare import prepare
 from mgs.sim.settings import settings_of_draws
 
 STAGES = ("plan", "checks", "first replays", "all replays", "random conditions", "passes")
-PD_CASES = ((1.0, 1.0), (2.0, 0.7), (0.5, 1.3))  # sag [deg] and friction of replays with PD servos
+PD_CASES = (  # sag [deg] and friction of replays with PD servos: first three that differ most
+    (1.0, 1.0), (2.0, 0.7), (0.5, 1.3),
+    (2.0, 1.3), (2.0, 1.0), (1.0, 0.7), (1.0, 1.3), (0.5, 0.7), (0.5, 1.0),
+)  # fmt: skip
 LEAST_RATE = 0.9  # of draws that a walk survives, where robustness is not the objective
 SURVIVAL = "survival "  # what the names of survival rates among the figures begin with
 ROUNDING = 1e-4  # [m] by which a margin may be below the one asked for

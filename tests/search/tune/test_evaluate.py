@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from types import SimpleNamespace
 
 import numpy as np
@@ -25,6 +26,7 @@ from mgs.search.tune.evaluate import (
     survival_rate,
 )
 from mgs.search.tune.objective import foot_clearance, known_score, mean_speed, plan_figures
+from mgs.sim import Settings
 from tests.search.tune.support import MELSON, easy_task
 from tests.support.replays import side_to_side
 
@@ -161,6 +163,24 @@ def test_a_later_fall_scores_higher(monkeypatch: pytest.MonkeyPatch):
         scores.append(evaluate(both(), {}).score)
         assert fakes.calls == []
     assert scores[0] < scores[1]
+
+
+def test_a_walk_that_passes_is_replayed_at_all_sags_and_frictions_in_both_engines(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    Fakes(monkeypatch)
+    replayed: list[tuple[str, float, float]] = []
+
+    def replay(_: object, engine: str, settings: Settings, servo: str) -> object:
+        if servo == "pd":
+            sag = round(np.rad2deg(settings.sag), 9)
+            replayed.append((engine, sag, settings.friction))
+        return SimpleNamespace(fell=False)
+
+    monkeypatch.setattr(module, "replay", replay)
+    assert evaluate(both(), {}).passed
+    cases = itertools.product(("mujoco", "pybullet"), (0.5, 1.0, 2.0), (0.7, 1.0, 1.3))
+    assert sorted(replayed) == sorted(cases)
 
 
 def test_a_plan_that_cannot_be_the_best_is_not_replayed(monkeypatch: pytest.MonkeyPatch):
