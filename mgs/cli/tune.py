@@ -119,8 +119,8 @@ def tune(
 
     GAIT is a gait file or the name of a shipped gait with motion: walk. Durations, step sizes,
     heights, weights and gains are varied between bounds in proportion to the robot. Each walk is
-    planned and checked, then replayed in MuJoCo with ideal and with PD servos, then in all engines,
-    then under random conditions; it is given up as soon as it fails or cannot be the best. Swing
+    planned and checked, then replayed in MuJoCo with ideal and with PD servos, then under random
+    conditions, then in all engines; it is given up as soon as it fails or cannot be the best. Swing
     feet have to rise by 4 % of the leg length.
 
     Writes a gait file, and beside it a page (.md) and a picture (.png) that compare GAIT with the

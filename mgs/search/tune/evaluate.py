@@ -1,12 +1,12 @@
 """Judgement of one walk of the search in stages, the cheapest first.
 
-    plan -> static checks -> MuJoCo: all kinds of servos -> all engines -> random conditions
+    plan -> static checks -> MuJoCo: all kinds of servos -> random conditions -> all engines
 
 A walk that fails a stage does not reach the next one. Where the plan alone tells the score, a walk
-that would not be the best is not replayed. Where robustness is the objective, random conditions in
-MuJoCo come before the replays in other engines, which take ten times as long and are only made of a
-walk that is promising: of those judged so far, none survives more often in MuJoCo. Where it is not
-the objective, random conditions are those of the fastest engine alone.
+that would not be the best is not replayed. Other engines than MuJoCo come last, because their
+replays take ten times as long. Where robustness is the objective, random conditions are drawn in
+them too, and they are only asked about a walk that is promising: of those judged so far, none
+survives more often in MuJoCo. For other objectives random conditions are those of MuJoCo alone.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from mgs.sim.conditions import RANGES
 from mgs.sim.prepare import prepare
 from mgs.sim.settings import settings_of_draws
 
-STAGES = ("plan", "checks", "first replays", "all replays", "random conditions", "passes")
+STAGES = ("plan", "checks", "first replays", "random conditions", "all replays", "passes")
 PD_CASES = (  # sag [deg] and friction of replays with PD servos: first three that differ most
     (1.0, 1.0), (2.0, 0.7), (0.5, 1.3),
     (2.0, 1.3), (2.0, 1.0), (1.0, 0.7), (1.0, 1.3), (0.5, 0.7), (0.5, 1.0),
@@ -117,11 +117,11 @@ def evaluate(
     known = known_score(task.objective, figures)
     if known is not None and known <= best:
         return Found(known, STAGES[-1], "is not better than the best", True, figures)
-    for engine in sorted(task.engines):  # mujoco is first, because it is faster
+    fastest = min(task.engines)  # mujoco, where both are asked
+    for engine in sorted(task.engines):
         failed = _replayed(task, motion, engine)
         if failed is not None:
-            first = engine == min(task.engines)
-            level, stage = (-2.0, STAGES[2]) if first else (-1.0, STAGES[3])
+            level, stage = (-2.0, STAGES[2]) if engine == fastest else (0.0, STAGES[4])
             return Found(level - failed[0], stage, failed[1], False, figures)
         if known is None:
             last = engine == max(task.engines)
@@ -129,17 +129,18 @@ def evaluate(
             least = min(_rates(figures))
             if not last and least < promising:
                 reason = f"survives less in {engine} than walks that are replayed in all engines"
-                return Found(least - 1.0, STAGES[4], reason, False, figures)
+                return Found(least - 2.0, STAGES[3], reason, False, figures)
             if least <= best:
                 return Found(least, STAGES[-1], "", True, figures)
+        elif engine == fastest and task.n_draws:
+            figures |= _survival(task, motion, engine, LEAST_RATE)
+            if (least := min(_rates(figures))) < LEAST_RATE:
+                reason = f"survives {least:.2f} of the random conditions"
+                return Found(least - 2.0, STAGES[3], reason, False, figures)
     if known is None:
         rates = _rates(figures)
         score = 0.99 * min(rates) + 0.01 * sum(rates) / len(rates)
         return Found(score, STAGES[-1], "", score <= best, figures)
-    figures |= _survival(task, motion, min(task.engines), LEAST_RATE) if task.n_draws else {}
-    if (least := min(_rates(figures), default=1.0)) < LEAST_RATE:
-        told = f"survives {least:.2f} of the random conditions"
-        return Found(least - 1.0, STAGES[4], told, False, figures)
     return Found(known, STAGES[-1], "", False, figures)
 
 

@@ -6,8 +6,8 @@ every walk that passes, so that the search is drawn towards walks that pass:
     planning fails        -4
     static checks         -4 to -3   the less the limits are exceeded, the higher
     replays in MuJoCo     -3 to -2   the more replays pass and the later the robot falls
-    replays in all        -2 to -1
-    random conditions     -1 to 0    unless robustness is the objective
+    random conditions     -2 to -1   the more are survived, the higher
+    replays in all        -1 to 0
     passes                above 0, in the unit of the objective
 """
 
