@@ -24,7 +24,15 @@ import mgs
 from mgs.core.errors import InputError, MgsError
 from mgs.core.foreign import told_as
 from mgs.judge.processes import result_of, worker_pool
-from mgs.search.tune.evaluate import LEAST_RATE, Found, TuneTask, evaluate, promising_rate
+from mgs.search.tune.evaluate import (
+    LEAST_RATE,
+    PD_CASES,
+    STAGES,
+    Found,
+    TuneTask,
+    evaluate,
+    promising_rate,
+)
 from mgs.search.tune.space import Parameter, Value
 
 N_SCATTERED = 24  # walks about the start gait before the sampler takes over
@@ -176,6 +184,7 @@ def identity(task: TuneTask) -> str:
         "speed": space.speed,
         "task": [task.objective, task.engines, task.servos, task.ranges, task.n_draws, task.seed],
         "least": [task.least_margin, task.least_score],
+        "judged": [STAGES, PD_CASES],  # scores of other stages cannot be compared
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
 

@@ -12,7 +12,7 @@ import pytest
 
 from mgs.core.errors import InputError, MgsError
 from mgs.search.tune import study
-from mgs.search.tune.evaluate import LEAST_RATE, STAGES, Found
+from mgs.search.tune.evaluate import LEAST_RATE, PD_CASES, STAGES, Found
 from mgs.search.tune.study import N_SCATTERED, Trial, counts, identity, scattered, search
 from tests.search.tune.support import BEST, by_formula, easy_task
 
@@ -141,6 +141,12 @@ def test_the_identity_of_a_search_depends_on_all_that_its_walks_have_in_common()
     ]
     assert identity(task) == identity(easy_task())
     assert len({identity(other) for other in [task, *others]}) == 1 + len(others)
+
+
+def test_a_search_with_fewer_servos_to_pass_is_another_one(monkeypatch: pytest.MonkeyPatch):
+    before = identity(easy_task())
+    monkeypatch.setattr(study, "PD_CASES", PD_CASES[:3])
+    assert identity(easy_task()) != before
 
 
 def test_the_first_walks_lie_about_the_start_gait_and_inside_the_bounds():
