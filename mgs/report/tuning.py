@@ -154,14 +154,25 @@ def _rows(search: Search) -> dict[str, Callable[[Assessment], str]]:
         f"{froude_number(found.figures['speed'], leg):.3g}" if found.figures else "-"
     )
     for engine in sorted(task.engines):
-        rows[f"PD replays that pass, {engine}"] = partial(_passed, engine=engine)
+        rows[f"PD replays that pass, {engine}"] = partial(_pd_passed, engine=engine)
+        if "model" in task.servos:
+            words = f"replays with wrong feed-forward that pass, {engine}"
+            rows[words] = partial(_wrong_passed, engine=engine)
     for column in task.columns:
         rows[f"survives `{task.ranges}`, {column}"] = partial(_survival, column=column)
     return rows
 
 
-def _passed(found: Assessment, engine: str) -> str:
-    passed = (found.pd_passed or {}).get(engine)
+def _pd_passed(found: Assessment, engine: str) -> str:
+    return _passed(found.pd_passed, engine)
+
+
+def _wrong_passed(found: Assessment, engine: str) -> str:
+    return _passed(found.wrong_passed, engine)
+
+
+def _passed(counts: dict[str, tuple[int, int]] | None, engine: str) -> str:
+    passed = (counts or {}).get(engine)
     return "-" if passed is None else f"{passed[0]} of {passed[1]}"
 
 

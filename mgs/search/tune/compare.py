@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import math
 from dataclasses import dataclass
 
 from mgs.core.errors import ConfigError, DivergenceError, InfeasibleGaitError
@@ -15,11 +13,18 @@ from mgs.judge.motion_checks import check_motion
 from mgs.judge.verdict import replay_checks
 from mgs.motion import Motion
 from mgs.pipeline import run_stages
-from mgs.search.tune.evaluate import PD_CASES, TuneTask
+from mgs.search.tune.evaluate import (
+    Nominal,
+    TuneTask,
+    exact_replays,
+    pd_replays,
+    replay_nominal,
+    wrong_replays,
+)
 from mgs.search.tune.objective import plan_figures
 from mgs.search.tune.space import STEP_KEYS, value_at
 from mgs.search.tune.study import Search
-from mgs.sim import DEFAULTS, EngineName, ServoName, replay
+from mgs.sim import EngineName
 
 HELD_OUT = 1_000_003  # added to the seed of the search
 
@@ -33,12 +38,13 @@ class Assessment:
     failed: tuple[str, ...] = ()  # static checks and nominal replays that fail
     figures: dict[str, float] | None = None  # of the plan
     pd_passed: dict[str, tuple[int, int]] | None = None  # by engine: PD replays that pass, and all
+    wrong_passed: dict[str, tuple[int, int]] | None = None  # the same with wrong feed-forward
     survival: tuple[Robustness, ...] = ()
 
     @property
     def passed(self) -> bool:
         """Whether plan, checks and all nominal replays pass."""
-        swept = (self.pd_passed or {}).values()
+        swept = [*(self.pd_passed or {}).values(), *(self.wrong_passed or {}).values()]
         return not self.message and not self.failed and all(n == total for n, total in swept)
 
     def to_dict(self) -> dict[str, object]:
@@ -49,6 +55,7 @@ class Assessment:
             "failed": list(self.failed),
             "figures": self.figures,
             "pd_passed": {k: list(v) for k, v in (self.pd_passed or {}).items()},
+            "wrong_passed": {k: list(v) for k, v in (self.wrong_passed or {}).items()},
             "survival": [found.to_dict() for found in self.survival],
         }
 
@@ -69,7 +76,7 @@ def assess(
         workers: number of processes for the draws.
         progress: called with finished parts and all parts.
     """
-    n_parts = len(task.engines) * (1 + len(task.servos)) + len(task.columns)
+    n_parts = 2 * len(task.engines) + (len(task.columns) if n_draws else 0)
     done = 0
 
     def step() -> None:
@@ -86,14 +93,15 @@ def assess(
     failed = [check.name for check in checks if not check.ok]
     margin = next(check.value for check in checks if check.name == "zmp_margin")
     swept: dict[str, tuple[int, int]] = {}
+    wrong: dict[str, tuple[int, int]] = {}
     for engine in sorted(task.engines):
-        for servo in task.servos:
-            if servo != "pd":
-                failed += _failed(motion, engine, servo)
-            step()
-        passed = sum(not _failed(motion, engine, "pd", *case) for case in PD_CASES)
-        swept[engine] = (passed, len(PD_CASES))
+        for case in exact_replays(task.servos):
+            failed += _failed(motion, engine, case)
         step()
+        swept[engine] = _passed(motion, engine, pd_replays())
+        step()
+        if cases := wrong_replays(task.servos):
+            wrong[engine] = _passed(motion, engine, cases)
     survival = []
     for column in task.columns if n_draws else ():
         survival.append(
@@ -104,21 +112,19 @@ def assess(
         )  # fmt: skip
         step()
     figures = plan_figures(motion) | {"zmp_margin": margin, "duration": motion.duration}
-    return Assessment(gait, "", tuple(failed), figures, swept, tuple(survival))
+    return Assessment(gait, "", tuple(failed), figures, swept, wrong, tuple(survival))
 
 
-def _failed(
-    motion: Motion,
-    engine: EngineName,
-    servo: ServoName,
-    sag_deg: float = 1.0,
-    friction: float = 1.0,
-) -> list[str]:
+def _passed(motion: Motion, engine: EngineName, cases: list[Nominal]) -> tuple[int, int]:
+    """How many of some replays pass, and how many there are."""
+    return sum(not _failed(motion, engine, case) for case in cases), len(cases)
+
+
+def _failed(motion: Motion, engine: EngineName, case: Nominal) -> list[str]:
     """Checks of one replay that fail."""
-    settings = dataclasses.replace(DEFAULTS[engine], sag=math.radians(sag_deg), friction=friction)
-    name = engine if servo == "ideal" else f"{engine}_{servo}"
+    name = engine if case.servo == "ideal" else f"{engine}_{case.servo}"
     try:
-        result = replay(motion, engine, settings, servo=servo)
+        result = replay_nominal(motion, engine, case)
     except DivergenceError:
         return [f"{name}_diverged"]
     return [check.name for check in replay_checks(result, name) if not check.ok]

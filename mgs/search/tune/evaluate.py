@@ -15,6 +15,7 @@ import dataclasses
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from mgs.core.errors import ConfigError, DivergenceError, InfeasibleGaitError
 from mgs.judge.monte_carlo import Task, replay_draw
@@ -30,7 +31,7 @@ from mgs.search.tune.objective import (
     plan_figures,
 )
 from mgs.search.tune.space import Space, Value
-from mgs.sim import DEFAULTS, EngineName, ServoName, replay
+from mgs.sim import DEFAULTS, EngineName, Replay, ServoName, replay
 from mgs.sim.conditions import RANGES
 from mgs.sim.prepare import prepare
 from mgs.sim.settings import settings_of_draws
@@ -40,6 +41,7 @@ PD_CASES = (  # sag [deg] and friction of replays with PD servos: first three th
     (1.0, 1.0), (2.0, 0.7), (0.5, 1.3),
     (2.0, 1.3), (2.0, 1.0), (1.0, 0.7), (1.0, 1.3), (0.5, 0.7), (0.5, 1.0),
 )  # fmt: skip
+WRONG_STIFFNESS = (0.7, 1.4)  # that feed-forward is computed for, relative to the servos'
 LEAST_RATE = 0.9  # of draws that a walk survives, where robustness is not the objective
 SURVIVAL = "survival "  # what the names of survival rates among the figures begin with
 LEAST_GAIN = 0.01  # over the best score, from which minutes of replays are worth it
@@ -55,6 +57,21 @@ class Column:
 
     def __str__(self) -> str:
         return f"{self.engine}, {self.servo} servos"
+
+
+class Nominal(NamedTuple):
+    """Servos and floor of a replay that is not random."""
+
+    servo: ServoName
+    sag_deg: float = 1.0  # of PD servos
+    friction: float = 1.0
+    assumed_stiffness: float = 1.0  # of feed-forward, relative to that of the servos
+
+    def __str__(self) -> str:
+        if self.servo == "pd":
+            return f"pd {self.sag_deg:g} deg, friction {self.friction:g}"
+        wrong = f", commands for {self.assumed_stiffness:g} times the stiffness"
+        return f"{self.servo}{wrong if self.assumed_stiffness != 1.0 else ''}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,28 +192,48 @@ def _replayed(task: TuneTask, motion: Motion, engine: EngineName) -> tuple[float
 
     None: they pass.
     """
-    cases: list[tuple[ServoName, float, float]] = [
-        *((servo, 1.0, 1.0) for servo in task.servos if servo != "pd"),
-        *(("pd", *case) for case in PD_CASES),
+    cases = [
+        *exact_replays(task.servos),
+        *wrong_replays(task.servos),
+        *pd_replays(),
     ]
-    for i, (servo, sag_deg, friction) in enumerate(cases):
-        bad, reason = _missing(motion, engine, servo, sag_deg, friction)
+    for i, case in enumerate(cases):
+        bad, reason = _missing(motion, engine, case)
         if bad:
             return (len(cases) - 1 - i + bad) / len(cases), reason
     return None
 
 
-def _missing(
-    motion: Motion, engine: EngineName, servo: ServoName, sag_deg: float, friction: float
-) -> tuple[float, str]:
+def exact_replays(servos: Iterable[ServoName]) -> list[Nominal]:
+    """Replays with servos that are exactly those planned for."""
+    return [Nominal(servo) for servo in servos if servo != "pd"]
+
+
+def wrong_replays(servos: Iterable[ServoName]) -> list[Nominal]:
+    """Replays with modelled servos whose feed-forward is computed for another stiffness."""
+    factors = WRONG_STIFFNESS if "model" in servos else ()
+    return [Nominal("model", assumed_stiffness=factor) for factor in factors]
+
+
+def pd_replays() -> list[Nominal]:
+    """Replays with plain PD servos."""
+    return [Nominal("pd", *case) for case in PD_CASES]
+
+
+def replay_nominal(motion: Motion, engine: EngineName, case: Nominal) -> Replay:
+    """One replay with the physics steps of `mgs validate`; raises DivergenceError."""
     settings = dataclasses.replace(
-        DEFAULTS[engine],
-        sag=math.radians(sag_deg),
-        friction=friction,
+        DEFAULTS[engine], sag=math.radians(case.sag_deg), friction=case.friction
     )
-    name = f"{engine} {servo}" + (f" {sag_deg:g} deg, friction {friction:g}" * (servo == "pd"))
+    return replay(
+        motion, engine, settings, servo=case.servo, assumed_stiffness=case.assumed_stiffness
+    )
+
+
+def _missing(motion: Motion, engine: EngineName, case: Nominal) -> tuple[float, str]:
+    name = f"{engine} {case}"
     try:
-        result = replay(motion, engine, settings, servo=servo)
+        result = replay_nominal(motion, engine, case)
     except DivergenceError:
         return 1.0, f"{name}: diverged"
     if result.fell:

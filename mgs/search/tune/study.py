@@ -28,6 +28,7 @@ from mgs.search.tune.evaluate import (
     LEAST_RATE,
     PD_CASES,
     STAGES,
+    WRONG_STIFFNESS,
     Found,
     TuneTask,
     evaluate,
@@ -184,7 +185,7 @@ def identity(task: TuneTask) -> str:
         "speed": space.speed,
         "task": [task.objective, task.engines, task.servos, task.ranges, task.n_draws, task.seed],
         "least": [task.least_margin, task.least_score],
-        "judged": [STAGES, PD_CASES],  # scores of other stages cannot be compared
+        "judged": [STAGES, PD_CASES, WRONG_STIFFNESS],  # scores of other stages cannot be compared
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
 

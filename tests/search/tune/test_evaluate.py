@@ -24,6 +24,7 @@ from mgs.search.tune.evaluate import (
     judge_plan,
     promising_rate,
     survival_rate,
+    wrong_replays,
 )
 from mgs.search.tune.objective import foot_clearance, known_score, mean_speed, plan_figures
 from mgs.sim import Settings
@@ -114,7 +115,10 @@ class Fakes:
     def check(self, name: str) -> Check:
         return Check(name, self.fails != name, 0.03, 0.02, "", None, "")
 
-    def replay(self, _: object, engine: str, settings: object, servo: str) -> object:
+    def replay(
+        self, _: object, engine: str, settings: object, *, servo: str, assumed_stiffness: float
+    ) -> object:
+        del settings, assumed_stiffness
         self.calls.append(f"{engine} {servo}")
         return SimpleNamespace(fell=self.fails == f"{engine} {servo}", fall_time=4.0)
 
@@ -165,22 +169,36 @@ def test_a_later_fall_scores_higher(monkeypatch: pytest.MonkeyPatch):
     assert scores[0] < scores[1]
 
 
-def test_a_walk_that_passes_is_replayed_at_all_sags_and_frictions_in_both_engines(
+def test_a_walk_that_passes_is_replayed_with_all_servos_in_both_engines(
     monkeypatch: pytest.MonkeyPatch,
 ):
+    """At all sags and frictions, and with commands for a stiffness that is wrong."""
     Fakes(monkeypatch)
-    replayed: list[tuple[str, float, float]] = []
+    swept: list[tuple[str, float, float]] = []
+    modelled: list[tuple[str, float]] = []
 
-    def replay(_: object, engine: str, settings: Settings, servo: str) -> object:
+    def replay(
+        _: object, engine: str, settings: Settings, *, servo: str, assumed_stiffness: float
+    ) -> object:
         if servo == "pd":
-            sag = round(np.rad2deg(settings.sag), 9)
-            replayed.append((engine, sag, settings.friction))
+            swept.append((engine, round(np.rad2deg(settings.sag), 9), settings.friction))
+        if servo == "model":
+            modelled.append((engine, assumed_stiffness))
         return SimpleNamespace(fell=False)
 
     monkeypatch.setattr(module, "replay", replay)
     assert evaluate(both(), {}).passed
-    cases = itertools.product(("mujoco", "pybullet"), (0.5, 1.0, 2.0), (0.7, 1.0, 1.3))
-    assert sorted(replayed) == sorted(cases)
+    engines = ("mujoco", "pybullet")
+    assert sorted(swept) == sorted(itertools.product(engines, (0.5, 1.0, 2.0), (0.7, 1.0, 1.3)))
+    assert sorted(modelled) == sorted(itertools.product(engines, (0.7, 1.0, 1.4)))
+
+
+def test_servos_without_a_model_have_no_feed_forward_that_could_be_wrong():
+    assert wrong_replays(("ideal", "pd")) == []
+    assert [str(case) for case in wrong_replays(("ideal", "model"))] == [
+        "model, commands for 0.7 times the stiffness",
+        "model, commands for 1.4 times the stiffness",
+    ]
 
 
 def test_a_plan_that_cannot_be_the_best_is_not_replayed(monkeypatch: pytest.MonkeyPatch):
