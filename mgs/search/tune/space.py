@@ -288,6 +288,23 @@ def default_parameters(robot: Robot, gait: WalkGait, objective: ObjectiveName) -
     return found
 
 
+def quick_steps(robot: Robot) -> dict[str, float]:
+    """Values by key of quick and low steps.
+
+    In them the CoM stays near the middle between the soles, and the next sole is on the ground
+    before a lean has grown: it does so in proportion to exp(t / sqrt(h / g)).
+    """
+    leg = leg_length(robot)
+    time = math.sqrt(leg / GRAVITY)
+    return {
+        "walk.single_support": 1.25 * time,
+        "walk.double_support": 0.4 * time,
+        "walk.step_height": 1.15 * LEAST_CLEARANCE * leg,
+        "walk.landing": 0.05,
+        "com.weight_jerk": 1e-5,
+    }
+
+
 def _step_sizes(gait: WalkGait, leg: float) -> list[Parameter]:
     """Step sizes of a walk that are not zero, with the sign that they have."""
     most = {"walk.step_length": leg, "walk.lateral": 0.5 * leg, "walk.step_yaw": 0.8}

@@ -34,7 +34,7 @@ from mgs.search.tune.evaluate import (
     evaluate,
     promising_rate,
 )
-from mgs.search.tune.space import Parameter, Value
+from mgs.search.tune.space import Parameter, Value, quick_steps
 
 N_SCATTERED = 24  # walks about the start gait before the sampler takes over
 SCATTER = (0.08, 0.25)  # standard deviations of their parameters, as parts of the bounds
@@ -232,11 +232,19 @@ def _cut_off(optuna: Any, study: Any) -> None:
 
 
 def scattered(task: TuneTask, seed: int) -> list[dict[str, Value]]:
-    """Values of the walks that a search begins with: the start gait, then walks about it."""
+    """Values of the walks that a search begins with: the start gait, then walks about it.
+
+    Where robustness is sought, half of them are walks about the start gait with quick steps.
+    Between slow and quick steps few walks survive, so that a search would not get there.
+    """
     rng = np.random.default_rng([seed, 1])
-    start, found = task.space.start(), [task.space.start()]
+    centres = [task.space.start()]
+    found = [centres[0]]
+    if task.objective == "robust":
+        centres.append(_with_quick_steps(task))
     for number in range(1, N_SCATTERED):
         width = SCATTER[number % 2]
+        start = centres[number // 2 % len(centres)]
         values: dict[str, Value] = {}
         for parameter in task.space.parameters:
             value = start[parameter.key]
@@ -248,6 +256,16 @@ def scattered(task: TuneTask, seed: int) -> list[dict[str, Value]]:
                 values[parameter.key] = parameter.at(float(place))
         found.append(values)
     return found
+
+
+def _with_quick_steps(task: TuneTask) -> dict[str, Value]:
+    """Values of the start gait with quick steps, as far as their keys are varied."""
+    values, quick = task.space.start(), quick_steps(task.robot)
+    for parameter in task.space.parameters:
+        if parameter.key in quick and not parameter.choices:
+            value = quick[parameter.key]
+            values[parameter.key] = min(max(value, parameter.low), parameter.high)
+    return values
 
 
 def _distributions(optuna: Any, parameters: tuple[Parameter, ...]) -> dict[str, Any]:

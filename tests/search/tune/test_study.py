@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mgs.core.constants import GRAVITY
 from mgs.core.errors import InputError, MgsError
+from mgs.robot import leg_length
 from mgs.search.tune import study
 from mgs.search.tune.evaluate import LEAST_RATE, PD_CASES, STAGES, Found
 from mgs.search.tune.study import N_SCATTERED, Trial, counts, identity, scattered, search
@@ -162,6 +164,18 @@ def test_the_first_walks_lie_about_the_start_gait_and_inside_the_bounds():
         assert (values >= parameter.low).all()
         assert (values <= parameter.high).all()
         assert np.ptp(values) > 0.0
+
+
+def n_quick(task: study.TuneTask) -> int:
+    """How many of the first walks take a step in less than three time constants of a fall."""
+    limit = 3.0 * np.sqrt(leg_length(task.robot) / GRAVITY)
+    keys = ("walk.single_support", "walk.double_support")
+    return sum(sum(float(walk[key]) for key in keys) < limit for walk in scattered(task, 7))
+
+
+def test_only_a_search_for_robustness_begins_with_quick_steps_too():
+    assert 8 <= n_quick(easy_task("robust")) <= N_SCATTERED - 8
+    assert n_quick(easy_task("energy")) <= 3
 
 
 def test_failed_walks_are_counted_by_stage():
