@@ -98,10 +98,10 @@ def assess(
         for case in exact_replays(task.servos):
             failed += _failed(motion, engine, case)
         step()
-        swept[engine] = _passed(motion, engine, pd_replays())
-        step()
         if cases := wrong_replays(task.servos):
             wrong[engine] = _passed(motion, engine, cases)
+        swept[engine] = _passed(motion, engine, pd_replays())
+        step()
     survival = []
     for column in task.columns if n_draws else ():
         survival.append(

@@ -192,11 +192,7 @@ def _replayed(task: TuneTask, motion: Motion, engine: EngineName) -> tuple[float
 
     None: they pass.
     """
-    cases = [
-        *exact_replays(task.servos),
-        *wrong_replays(task.servos),
-        *pd_replays(),
-    ]
+    cases = exact_replays(task.servos) + wrong_replays(task.servos) + pd_replays()
     for i, case in enumerate(cases):
         bad, reason = _missing(motion, engine, case)
         if bad:

@@ -235,7 +235,7 @@ def scattered(task: TuneTask, seed: int) -> list[dict[str, Value]]:
     """Values of the walks that a search begins with: the start gait, then walks about it.
 
     Where robustness is sought, half of them are walks about the start gait with quick steps.
-    Between slow and quick steps few walks survive, so that a search would not get there.
+    Between slow and quick steps fewer walks survive, so that a search may not get there.
     """
     rng = np.random.default_rng([seed, 1])
     centres = [task.space.start()]
