@@ -73,7 +73,8 @@ class FootRollParameters(Model):
     """Rolling feet: heels rise before lift-off, and soles land on their heels.
 
     Angles are those of the longest step forward; shorter steps roll less, in proportion. In the
-    first third of a double support phase the front sole comes down, then the rear heel rises.
+    first third of a double support phase the front sole comes down, then the rear heel rises; a
+    front sole that comes down alone takes two thirds.
     """
 
     toe_off: float = Field(

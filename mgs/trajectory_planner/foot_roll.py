@@ -1,10 +1,10 @@
 """Rolling feet: heels that rise before lift-off, and soles that land on their heels.
 
 In the first third of a double support the sole that has landed comes down about its heel; then the
-other one rises about its toe. So at every time one sole is level, and inverse kinematics starts
-from it. In the air the sole turns level again, and raises its toe as it gets ahead. It turns about
-the edge that touches the ground before or after, so that its lowest point is as high as a level
-sole would be.
+other one rises about its toe. A sole that comes down alone takes two thirds. So at every time one
+sole is level, and inverse kinematics starts from it. In the air the sole turns level again, and
+raises its toe as it gets ahead. It turns about the edge that touches the ground before or after, so
+that its lowest point is as high as a level sole would be.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from mgs.core.geometry import quat_multiply, quat_xyzw_from_yaw, quintic, rotate
 from mgs.motion_planner import FootRoll, Phase, WalkPlan
 
 LANDING_SHARE = 1.0 / 3.0  # of a double support, in which the sole that has landed comes down
+LANDING_ALONE = 2.0 / 3.0  # the same where no heel rises; then the pressure leaves the heel
 LEVEL_AT = 0.4  # of the time to get above the footstep, at which a swing sole is level
 NO_ROLL = 1e-3  # [rad]; a sole that turns by less stays level
 
@@ -24,13 +25,13 @@ NO_ROLL = 1e-3  # [rad]; a sole that turns by less stays level
 def sole_pitch(plan: WalkPlan) -> Array:
     """Pitch (N, 2) of the soles [rad]: positive while the heel is up, negative with the toe up."""
     pitch = np.zeros((plan.n_samples, 2))
-    for i, (toe_off, heel_strike) in enumerate(rolls_of(plan)):
+    rolls = rolls_of(plan)
+    for i, (toe_off, heel_strike) in enumerate(rolls):
         phase = plan.phases[i]
         if phase.target is None:
             continue
         side = plan.footsteps[phase.target].side
-        before, after = plan.phases[i - 1], plan.phases[i + 1]
-        rise, land = _turn(before), _turn(after)
+        rise, land = _turn(plan, rolls, i - 1), _turn(plan, rolls, i + 1)
         lift, touch = phase.start, phase.end
         way = round((1.0 - plan.landing) * (touch - lift))
         level, toe_up = lift + round(LEVEL_AT * way), lift + way
@@ -85,7 +86,7 @@ def edge_ways(plan: WalkPlan, rolls: Array, side: Side, i: int) -> Array | None:
     the heel. `rolls` is from `rolls_of`.
     """
     phase = plan.phases[i]
-    n, down = phase.end - phase.start, _turn(phase) - phase.start
+    n, down = phase.end - phase.start, _turn(plan, rolls, i) - phase.start
     before = plan.phases[i - 1] if i else None
     after = plan.phases[i + 1] if i + 1 < len(plan.phases) else None
     if before is not None and _swings(plan, before, side) and rolls[i - 1, 1]:
@@ -112,9 +113,12 @@ def _apart(plan: WalkPlan, phase: Phase) -> tuple[float, float]:
     return float(ways[0]), float(ways[1])
 
 
-def _turn(phase: Phase) -> int:
-    """Sample of a double support at which one sole has come down and the other begins to rise."""
-    return phase.start + round(LANDING_SHARE * (phase.end - phase.start))
+def _turn(plan: WalkPlan, rolls: Array, i: int) -> int:
+    """Sample of double support `i` at which one sole has come down and the other begins to rise."""
+    phase = plan.phases[i]
+    rises = i + 1 < len(plan.phases) and rolls[i + 1, 0] > 0.0
+    share = LANDING_SHARE if rises else LANDING_ALONE
+    return phase.start + round(share * (phase.end - phase.start))
 
 
 def _blend(n: int) -> Array:

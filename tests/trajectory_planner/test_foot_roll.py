@@ -101,6 +101,21 @@ def test_the_longest_step_rolls_as_far_as_asked_and_the_ends_do_not():
     assert np.abs(np.diff(pitch, n=2, axis=0)).max() / 0.01**2 < 100.0  # no corner in the pitch
 
 
+@pytest.mark.parametrize(("toe_off", "samples"), [(0.3, 10), (0.0, 20)])
+def test_a_sole_that_comes_down_alone_takes_two_thirds_of_the_double_support(
+    toe_off: float, samples: int
+):
+    walk = rolling_walk(double_support=0.3, foot_roll={"toe_off": toe_off, "heel_strike": 0.2})
+    tasks = plan_trajectories(plan_motion(COMAN, walk))
+    touch = np.flatnonzero(np.diff(tasks.support == Support.DOUBLE)) + 1
+    touch = touch[tasks.support[touch] == Support.DOUBLE]
+    front = np.where(tasks.support[touch - 1] == Support.LEFT, Side.RIGHT, Side.LEFT)
+    for k, side in zip(touch[:-1], front[:-1], strict=True):  # the last step closes the feet
+        heights = corners(tasks)[k : k + 30, side, :, 2].max(axis=1)
+        assert np.all(np.diff(heights[: samples + 1]) < 0.0)
+        assert_allclose(heights[samples:], 0.0, atol=1e-12)
+
+
 def test_a_step_backward_does_not_roll():
     level = plan_trajectories(plan_motion(COMAN, rolling_walk(step_length=-0.1)))
     assert_allclose(level.soles[..., 3:5], 0.0, atol=0.0)
