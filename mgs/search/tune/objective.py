@@ -24,6 +24,7 @@ from mgs.core.spans import spans
 from mgs.motion import Motion
 from mgs.motion.energy import energy_of, way_of_soles
 from mgs.robot import Robot, leg_length
+from mgs.robot.support_polygon import corners_of_soles
 
 ObjectiveName = Literal["robust", "speed", "energy", "torque"]
 OBJECTIVES: tuple[ObjectiveName, ...] = get_args(ObjectiveName)
@@ -37,13 +38,17 @@ UNITS = {
 
 
 def foot_clearance(motion: Motion) -> float:
-    """Least of the heights that the swing soles reach in their swings [m]; infinite: no swing."""
+    """Least of the heights that the swing soles reach in their swings [m]; infinite: no swing.
+
+    The height of a sole that is not level is that of its lowest corner.
+    """
+    lowest = corners_of_soles(motion.robot, motion.soles)[..., 2].min(axis=-1)  # (N, 2)
     least = np.inf
     for side in Side:
         swings = motion.support == Support.single(side.other)
         for start, end in spans(swings):
             if swings[start]:
-                feet = motion.soles[start:end, side, 2]
+                feet = lowest[start:end, side]
                 low = max(feet[0], feet[-1])
                 least = min(least, float(feet.max() - low))
     return least

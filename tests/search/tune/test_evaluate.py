@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from mgs.core.errors import InfeasibleGaitError
+from mgs.gait import load_gait
 from mgs.judge.monte_carlo import monte_carlo
 from mgs.judge.motion_checks import Check
 from mgs.motion import Motion
@@ -49,6 +50,11 @@ def test_speed_and_clearance_of_a_plan_are_those_that_its_gait_asks_for(walk: Mo
     figures = plan_figures(walk)
     mean_square = np.square(walk.torque).sum(axis=1).mean()
     assert figures["torque_rms"] == pytest.approx(np.sqrt(mean_square), rel=0.01)
+
+
+def test_the_clearance_of_a_rolling_sole_is_that_of_its_lowest_corner():
+    motion = run_stages(MELSON, load_gait("melson/walk_rolling")).motion
+    assert foot_clearance(motion) == pytest.approx(0.014, rel=0.05)  # its step_height
 
 
 def test_scores_rise_with_what_is_wanted():
