@@ -23,7 +23,8 @@ from mgs.pipeline import run_stages
 from mgs.robot import load_robot
 
 FASTEST, COMAN = "melson/walk_fastest", "coman/walk_fastest"
-FREE, AWAY, UPRIGHT = "walk.hands=free", "ik.gamma_momentum=1", "ik.torso=upright"
+AWAY, UPRIGHT = "ik.gamma_momentum=1", "ik.torso=upright"
+FREE = ("walk.hands=free", "walk.arm_swing=0")
 STIFF = "ik.gamma_joint=5"
 QUICK = (  # steps of 18 cm in 0.5 s
     *("walk.step_length=0.18", "walk.double_support=0.07", "walk.single_support=0.43"),
@@ -32,11 +33,14 @@ QUICK = (  # steps of 18 cm in 0.5 s
     *("ik.gamma_joint=0.35", "ik.torso=free"),
 )
 VARIANTS = (
-    *((FASTEST, more) for more in ((), (STIFF,), (FREE, STIFF), (FREE, AWAY), (FREE, AWAY, STIFF))),
-    *((COMAN, more) for more in ((), (AWAY,), (FREE,), (FREE, AWAY))),
-    *((COMAN, (*QUICK, *more)) for more in ((), (UPRIGHT,), (UPRIGHT, FREE, AWAY))),
+    *(
+        (FASTEST, more)
+        for more in ((), (STIFF,), (*FREE, STIFF), (*FREE, AWAY), (*FREE, AWAY, STIFF))
+    ),
+    *((COMAN, more) for more in ((), (AWAY,), FREE, (*FREE, AWAY))),
+    *((COMAN, (*QUICK, *more)) for more in ((), (UPRIGHT,), (UPRIGHT, *FREE, AWAY))),
 )
-DRAWN = {"as shipped": (), "arms and waist against yaw": (FREE, AWAY, STIFF)}
+DRAWN = {"as shipped": (), "arms and waist against yaw": (*FREE, AWAY, STIFF)}
 
 
 def made(name: str, settings: tuple[str, ...] = ()) -> Motion:

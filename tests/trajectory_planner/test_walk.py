@@ -164,8 +164,9 @@ def test_the_zmp_reference_stays_inside_the_support_polygon(gait: Gait):
 
 
 def test_at_every_sample_of_shipped_walks_the_zmp_reference_is_inside(shipped_walk):
-    tasks = shipped_walk.stages.tasks
-    least = min(0.02, 0.5 * LENGTH - 0.5 * shipped_walk.gait.walk.zmp_travel - 1e-3)
+    tasks, walk = shipped_walk.stages.tasks, shipped_walk.gait.walk
+    along, across = 0.5 * walk.zmp_travel, abs(walk.zmp_offset[1])
+    least = min(0.02, 0.5 * LENGTH - along - 1e-3, 0.5 * WIDTH - across - 1e-3)
     for k in range(tasks.n_samples):
         sides = list(Support(int(tasks.support[k])).sides)
         assert margin(tasks.zmp_ref[k], tasks.soles[k, sides]) > least  # [m], soles are 60 mm wide

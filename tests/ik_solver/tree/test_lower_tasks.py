@@ -22,7 +22,7 @@ from mgs.robot import Robot, load_robot
 from mgs.trajectory_planner import TaskTrajectory, plan_trajectories
 from tests.support.shipped import generated
 
-FREE = ("walk.hands=free", "ik.gamma_momentum=1")
+FREE = ("walk.hands=free", "walk.arm_swing=0", "ik.gamma_momentum=1")
 EYE = np.eye(3)
 
 
