@@ -34,6 +34,8 @@ SHORTER = {  # what is run in place of hours of search and of other computers
     "~/ros/src": "./robots",
     "--monte-carlo 200": "--monte-carlo 8",
     "--servo-sweep": "--servo-sweep --physics mujoco",
+    "bag_folder --hung": "bag_folder --topic /joint_states --hung",  # this bag has commands, too
+    "--motors motors.yaml --resume": "--motors ./motors.yaml",  # nothing has been stopped here
 }
 ELSEWHERE = {  # run by other tests, with what they need
     "__A022.npz": "a file of others; tests/judge/recorded judges recorded motions",
@@ -41,6 +43,7 @@ ELSEWHERE = {  # run by other tests, with what they need
     "--ik newton": "tests/core/test_plugins.py runs these commands with the package of the guide",
     "com.generator=cart-table": "the same",
     "mgs experiment": "tests/experiments runs every experiment and compares its claims",
+    "toddlerbot-zmp --where": "this library has one robot; tests/motion_file writes the format",
     "parquet": "tests/library reads the tables with pyarrow where it is installed",
 }
 QUICK = ("formats-robots", "formats")  # pages of make test
