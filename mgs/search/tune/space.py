@@ -28,6 +28,7 @@ Value = float | str
 DIGITS = 4  # significant digits of a value that is tried, or of the distance of its bounds
 TIMES = ("walk.single_support", "walk.double_support")  # rounded to whole samples
 FREE_STRETCH = 1.1  # of a leg, with which the CoM keeps its height
+SHORTEST_STEP, QUICK_STEP = 0.05, 0.1  # parts of the largest step
 STEP_KEYS = ("walk.step_length", "walk.lateral", "walk.step_yaw")
 
 
@@ -280,8 +281,8 @@ def default_parameters(robot: Robot, gait: WalkGait, objective: ObjectiveName) -
             found += _step_sizes(gait, leg)
     if qp:
         found.append(Parameter("com.margin", 0.0, 0.45 * min(sole.length, sole.width)))
-    if arms:
-        found.append(Parameter("walk.arm_swing", 0.0, 1.0))
+    if arms and gait.walk.hands == "held":
+        found.append(Parameter("walk.arm_swing", 0.0, 2.0))
     if clik:
         found.append(Parameter("ik.gamma_joint", 0.02, 2.0, log=True))
         found.append(Parameter("ik.gamma_grav", 0.0, 100.0 * per_torque))
@@ -292,27 +293,34 @@ def quick_steps(robot: Robot) -> dict[str, float]:
     """Values by key of quick and low steps.
 
     In them the CoM stays near the middle between the soles, and the next sole is on the ground
-    before a lean has grown: it does so in proportion to exp(t / sqrt(h / g)).
+    before a lean has grown: it does so in proportion to exp(t / sqrt(h / g)). Arms that swing keep
+    the quick legs from turning the soles. Step sizes are the most that such steps begin with.
     """
     leg = leg_length(robot)
     time = math.sqrt(leg / GRAVITY)
-    return {
+    sizes = {key: QUICK_STEP * most for key, most in _largest_steps(leg).items()}
+    return sizes | {
         "walk.single_support": 1.25 * time,
         "walk.double_support": 0.4 * time,
         "walk.step_height": 1.15 * LEAST_CLEARANCE * leg,
         "walk.landing": 0.05,
+        "walk.arm_swing": 1.0,
         "com.weight_jerk": 1e-5,
     }
 
 
+def _largest_steps(leg: float) -> dict[str, float]:
+    """Sizes [m, m, rad] that no step exceeds."""
+    return {"walk.step_length": leg, "walk.lateral": 0.5 * leg, "walk.step_yaw": 0.8}
+
+
 def _step_sizes(gait: WalkGait, leg: float) -> list[Parameter]:
     """Step sizes of a walk that are not zero, with the sign that they have."""
-    most = {"walk.step_length": leg, "walk.lateral": 0.5 * leg, "walk.step_yaw": 0.8}
     found = []
-    for key, high in most.items():
+    for key, high in _largest_steps(leg).items():
         value = value_at(gait, key)
         if value > 0.0:
-            found.append(Parameter(key, 0.1 * high, min(high, 1.0)))
+            found.append(Parameter(key, SHORTEST_STEP * high, min(high, 1.0)))
         elif value < 0.0:
-            found.append(Parameter(key, -min(high, 1.0), -0.1 * high))
+            found.append(Parameter(key, -min(high, 1.0), -SHORTEST_STEP * high))
     return found

@@ -11,6 +11,7 @@ from __future__ import annotations
 import concurrent.futures
 import hashlib
 import json
+import math
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable
@@ -26,6 +27,7 @@ from mgs.core.foreign import told_as
 from mgs.judge.processes import result_of, worker_pool
 from mgs.search.tune.evaluate import (
     LEAST_RATE,
+    MOST_FAILED,
     PD_CASES,
     STAGES,
     WRONG_STIFFNESS,
@@ -34,7 +36,7 @@ from mgs.search.tune.evaluate import (
     evaluate,
     promising_rate,
 )
-from mgs.search.tune.space import Parameter, Value, quick_steps
+from mgs.search.tune.space import STEP_KEYS, Parameter, Value, quick_steps
 
 N_SCATTERED = 24  # walks about the start gait before the sampler takes over
 SCATTER = (0.08, 0.25)  # standard deviations of their parameters, as parts of the bounds
@@ -185,7 +187,7 @@ def identity(task: TuneTask) -> str:
         "speed": space.speed,
         "task": [task.objective, task.engines, task.servos, task.ranges, task.n_draws, task.seed],
         "least": [task.least_margin, task.least_score],
-        "judged": [STAGES, PD_CASES, WRONG_STIFFNESS],  # scores of other stages cannot be compared
+        "judged": [STAGES, PD_CASES, WRONG_STIFFNESS, MOST_FAILED],  # else scores differ
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
 
@@ -234,13 +236,13 @@ def _cut_off(optuna: Any, study: Any) -> None:
 def scattered(task: TuneTask, seed: int) -> list[dict[str, Value]]:
     """Values of the walks that a search begins with: the start gait, then walks about it.
 
-    Where robustness is sought, half of them are walks about the start gait with quick steps.
-    Between slow and quick steps fewer walks survive, so that a search may not get there.
+    Where robustness or speed is sought, half of them are walks about the start gait with quick
+    steps. Between slow and quick steps fewer walks survive, so that a search may not get there.
     """
     rng = np.random.default_rng([seed, 1])
     centres = [task.space.start()]
     found = [centres[0]]
-    if task.objective == "robust":
+    if task.objective in ("robust", "speed"):
         centres.append(_with_quick_steps(task))
     for number in range(1, N_SCATTERED):
         width = SCATTER[number % 2]
@@ -264,6 +266,9 @@ def _with_quick_steps(task: TuneTask) -> dict[str, Value]:
     for parameter in task.space.parameters:
         if parameter.key in quick and not parameter.choices:
             value = quick[parameter.key]
+            if parameter.key in STEP_KEYS:
+                own = float(values[parameter.key])
+                value = math.copysign(min(abs(own), value), own)
             values[parameter.key] = min(max(value, parameter.low), parameter.high)
     return values
 

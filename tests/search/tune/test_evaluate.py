@@ -19,6 +19,7 @@ from mgs.robot import Robot
 from mgs.search.tune import evaluate as module
 from mgs.search.tune.evaluate import (
     LEAST_RATE,
+    MOST_FAILED,
     STAGES,
     Column,
     evaluate,
@@ -175,6 +176,37 @@ def test_a_later_fall_scores_higher(monkeypatch: pytest.MonkeyPatch):
         scores.append(evaluate(both(), {}).score)
         assert fakes.calls == []
     assert scores[0] < scores[1]
+
+
+def missing_when(monkeypatch: pytest.MonkeyPatch, fails: set[int]) -> tuple[float, int, str]:
+    """Score, number of replays and reason of a walk that falls in some of its first replays."""
+    Fakes(monkeypatch)
+    n = 0
+
+    def replay(*_: object, **__: object) -> object:
+        nonlocal n
+        n += 1
+        return SimpleNamespace(fell=n in fails, fall_time=5.0)
+
+    monkeypatch.setattr(module, "replay", replay)
+    found = evaluate(both("speed"), {})
+    return found.score, n, found.reason
+
+
+def test_the_fewer_replays_a_walk_fails_the_higher_it_scores(monkeypatch: pytest.MonkeyPatch):
+    """Wherever they are in the order of the replays."""
+    first, last, two, three = (
+        missing_when(monkeypatch, fails)[0] for fails in ({1}, {13}, {12, 13}, {1, 2, 3})
+    )
+    assert first == last > two > three
+    assert missing_when(monkeypatch, {3, 13})[2].startswith("mujoco model")
+
+
+def test_a_walk_that_fails_many_replays_is_given_up(monkeypatch: pytest.MonkeyPatch):
+    score, n, _ = missing_when(monkeypatch, set(range(1, 99)))
+    assert n == MOST_FAILED
+    assert -3.0 < score < missing_when(monkeypatch, {1, 2, 3})[0]
+    assert missing_when(monkeypatch, {1, 2, 5, 9})[1] == 9
 
 
 def test_a_walk_that_passes_is_replayed_with_all_servos_in_both_engines(

@@ -82,6 +82,14 @@ def test_step_sizes_are_free_only_where_speed_is_sought():
     assert space("energy").speed == pytest.approx(0.05 / 0.8)
 
 
+def test_arms_swing_only_in_walks_that_hold_their_hands():
+    keys = {p.key: p for p in space().parameters}
+    assert keys["walk.arm_swing"].high == 2.0
+    free = WALK.walk.model_copy(update={"hands": "free", "arm_swing": 0.0})
+    found = make_space(MELSON, WALK.model_copy(update={"walk": free}), "robust")
+    assert "walk.arm_swing" not in {p.key for p in found.parameters}
+
+
 def test_bounds_grow_with_the_robot():
     coman = load_robot("coman")
     walk = load_gait("coman/walk")
@@ -98,7 +106,7 @@ def test_bounds_grow_with_the_robot():
 
 def test_bounds_reach_the_start_gait_but_for_the_least_clearance():
     usual = {p.key: p for p in space("speed").parameters}
-    beyond = {"single_support": 2.4, "landing": 0.5, "step_length": 0.02, "step_height": 0.005}
+    beyond = {"single_support": 2.4, "landing": 0.5, "step_length": 0.01, "step_height": 0.005}
     walk = WALK.walk.model_copy(update=beyond)
     ik = WALK.ik.model_copy(update={"gamma_joint": 0.0})
     gait = WALK.model_copy(update={"walk": walk, "ik": ik})
@@ -106,7 +114,7 @@ def test_bounds_reach_the_start_gait_but_for_the_least_clearance():
     start, bounds = found.start(), {p.key: p for p in found.parameters}
     assert bounds["walk.single_support"].high == start["walk.single_support"] == 2.4
     assert bounds["walk.landing"].high == start["walk.landing"] == 0.5
-    assert bounds["walk.step_length"].low == start["walk.step_length"] == 0.02
+    assert bounds["walk.step_length"].low == start["walk.step_length"] == 0.01
     assert bounds["walk.step_height"] == usual["walk.step_height"]
     assert start["walk.step_height"] == usual["walk.step_height"].low
     assert bounds["ik.gamma_joint"] == usual["ik.gamma_joint"]  # 0 has no logarithm

@@ -12,11 +12,14 @@ import pytest
 
 from mgs.core.constants import GRAVITY
 from mgs.core.errors import InputError, MgsError
+from mgs.gait import WalkGait, load_gait
 from mgs.robot import leg_length
 from mgs.search.tune import study
 from mgs.search.tune.evaluate import LEAST_RATE, PD_CASES, STAGES, Found
+from mgs.search.tune.objective import ObjectiveName
+from mgs.search.tune.setup import make_task
 from mgs.search.tune.study import N_SCATTERED, Trial, counts, identity, scattered, search
-from tests.search.tune.support import BEST, by_formula, easy_task
+from tests.search.tune.support import BEST, MELSON, by_formula, easy_task
 
 pytest.importorskip("optuna")
 pytest.importorskip("mujoco")
@@ -173,9 +176,24 @@ def n_quick(task: study.TuneTask) -> int:
     return sum(sum(float(walk[key]) for key in keys) < limit for walk in scattered(task, 7))
 
 
-def test_only_a_search_for_robustness_begins_with_quick_steps_too():
-    assert 8 <= n_quick(easy_task("robust")) <= N_SCATTERED - 8
+@pytest.mark.parametrize("objective", ["robust", "speed"])
+def test_searches_for_robustness_and_speed_begin_with_quick_steps_too(objective: ObjectiveName):
+    assert 8 <= n_quick(easy_task(objective)) <= N_SCATTERED - 8
+
+
+def test_other_searches_begin_about_the_start_gait_alone():
     assert n_quick(easy_task("energy")) <= 3
+
+
+def test_quick_steps_are_short_and_lead_where_the_start_gait_leads():
+    leg, gait = leg_length(MELSON), load_gait("melson/walk_practical")
+    assert isinstance(gait, WalkGait)
+    for length, expected in ((0.1, 0.1 * leg), (-0.1, -0.1 * leg), (0.02, 0.02)):
+        walk = gait.walk.model_copy(update={"step_length": length})
+        start = gait.model_copy(update={"walk": walk})
+        task = make_task(MELSON, start, "speed", engines=("mujoco",))
+        quick = study._with_quick_steps(task)
+        assert quick["walk.step_length"] == pytest.approx(expected)
 
 
 def test_failed_walks_are_counted_by_stage():
