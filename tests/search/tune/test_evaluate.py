@@ -207,6 +207,9 @@ def test_a_walk_that_fails_many_replays_is_given_up(monkeypatch: pytest.MonkeyPa
     assert n == MOST_FAILED
     assert -3.0 < score < missing_when(monkeypatch, {1, 2, 3})[0]
     assert missing_when(monkeypatch, {1, 2, 5, 9})[1] == 9
+    in_the_slow_engine = missing_when(monkeypatch, {16, 17})
+    assert in_the_slow_engine[1] == 16
+    assert -1.0 < in_the_slow_engine[0] < 0.0
 
 
 def test_a_walk_that_passes_is_replayed_with_all_servos_in_both_engines(
