@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, get_args
 
+from mgs.com_generator.qp import default_margin
 from mgs.core.config import build, read_assignment, set_value
 from mgs.core.constants import GRAVITY
 from mgs.core.contact import Side
@@ -28,6 +29,7 @@ Value = float | str
 DIGITS = 4  # significant digits of a value that is tried, or of the distance of its bounds
 TIMES = ("walk.single_support", "walk.double_support")  # rounded to whole samples
 FREE_STRETCH = 1.1  # of a leg, with which the CoM keeps its height
+LEAST_WIDTH = 1.25  # of a step, as a part of the width of the sole
 SHORTEST_STEP, QUICK_STEP = 0.05, 0.1  # parts of the largest step
 STEP_KEYS = ("walk.step_length", "walk.lateral", "walk.step_yaw")
 
@@ -276,11 +278,13 @@ def default_parameters(robot: Robot, gait: WalkGait, objective: ObjectiveName) -
             Parameter("walk.leg_stretch", 0.94, FREE_STRETCH, own=FREE_STRETCH),
         ]
     if not listed:
-        found.append(Parameter("walk.step_width", 0.9 * width, 1.15 * width, own=width))
+        narrow = min(LEAST_WIDTH * sole.width, 0.9 * width)  # narrow steps sway less
+        found.append(Parameter("walk.step_width", narrow, 1.15 * width, own=width))
         if objective == "speed":
             found += _step_sizes(gait, leg)
     if qp:
-        found.append(Parameter("com.margin", 0.0, 0.45 * min(sole.length, sole.width)))
+        most = 0.45 * min(sole.length, sole.width)
+        found.append(Parameter("com.margin", 0.0, most, own=default_margin(robot)))
     if arms and gait.walk.hands == "held":
         found.append(Parameter("walk.arm_swing", 0.0, 2.0))
     if clik:

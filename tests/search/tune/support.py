@@ -43,5 +43,5 @@ def by_formula(
         if p.key == "walk.step_height" and place < 0.1:
             return Found(-3.5, STAGES[1], "joint_speed")
         aim = BEST.get(p.key, p.place(float(start[p.key])))
-        square += (1.0 if p.key in BEST else 0.1) * (place - aim) ** 2
+        square += (1.0 if p.key in BEST else 0.02) * (place - aim) ** 2
     return Found(max(0.01, 1.0 - np.sqrt(square)), STAGES[-1], "", False, {"speed": 0.06})

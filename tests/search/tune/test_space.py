@@ -9,6 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
+from mgs.com_generator.qp import default_margin
+from mgs.core.contact import Side
 from mgs.core.errors import ConfigError
 from mgs.gait import WalkGait, load_gait
 from mgs.gait.walk import FootRollParameters
@@ -80,6 +82,17 @@ def test_step_sizes_are_free_only_where_speed_is_sought():
     assert "walk.step_length" not in {p.key for p in space("energy").parameters}
     assert space("speed").speed is None
     assert space("energy").speed == pytest.approx(0.05 / 0.8)
+
+
+def test_a_margin_that_the_gait_leaves_out_begins_at_that_of_the_planner():
+    com = WALK.com.model_copy(update={"margin": None})
+    found = make_space(MELSON, WALK.model_copy(update={"com": com}), "speed")
+    assert found.start()["com.margin"] == default_margin(MELSON) > 0.0
+
+
+def test_steps_may_be_as_narrow_as_the_soles_allow():
+    bounds = {p.key: p for p in space().parameters}["walk.step_width"]
+    assert MELSON.sole_spec(Side.LEFT).width < bounds.low < 0.9 * midpoint_width(MELSON)
 
 
 def test_arms_swing_only_in_walks_that_hold_their_hands():

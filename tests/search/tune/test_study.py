@@ -34,7 +34,7 @@ def run(path: Path, trials: int, **options: int) -> study.Search:
     return search(easy_task(), path / "a.journal", trials=trials, minutes=None, **options)
 
 
-def test_the_search_beats_chance_and_names_a_parameter_that_matters(tmp_path: Path):
+def test_the_search_beats_chance_and_names_the_parameters_that_matter(tmp_path: Path):
     """Chance: as many walks anywhere between the bounds, ten times over."""
     n = 150
     found = run(tmp_path, n)
@@ -46,7 +46,8 @@ def test_the_search_beats_chance_and_names_a_parameter_that_matters(tmp_path: Pa
         walks = ({p.key: p.at(rng.uniform()) for p in numbers} for _ in range(n))
         by_chance.append(max(by_formula(task, values).score for values in walks))
     assert found.best.found.score > max(by_chance)
-    assert max(found.importance, key=lambda key: found.importance[key]) in BEST
+    by_importance = sorted(found.importance, key=lambda key: found.importance[key])
+    assert set(by_importance[-len(BEST) :]) == set(BEST)
     assert sum(found.importance.values()) == pytest.approx(1.0)
 
 
