@@ -27,6 +27,8 @@ SHORTER = {  # what is run in place of hours of search and of other computers
     "--minutes 30 --workers 2": "--trials 1 --physics mujoco --draws 2 --final-draws 2 --workers 2",
     "--minutes 30": "--trials 1 --physics mujoco --draws 2 --final-draws 2",
     "--minutes 14": "--trials 1 --physics mujoco",
+    "--minutes 22": "--trials 1 --final-draws 0",
+    "--minutes 18": "--trials 1 --final-draws 0",
     "--objective energy --pin": "--trials 1 --draws 2 --final-draws 2 --objective energy --pin",
     "--objective energy --free": "--trials 1 --draws 2 --final-draws 2 --objective energy --free",
     "--objective speed --pin": "--trials 1 --draws 2 --final-draws 2 --objective speed --pin",
