@@ -92,7 +92,7 @@ def yaw_friction(motion: Motion) -> Check:
 
 @pytest.mark.parametrize(
     ("name", "settings"),
-    [("melson/walk_fastest", ("ik.gamma_joint=5",)), ("coman/walk_fastest", ("ik.gamma_joint=1",))],
+    [("melson/walk_fastest", ("ik.gamma_joint=5",)), ("coman/walk_fastest", ())],
 )
 def test_free_arms_spare_the_fastest_walks_half_of_their_yaw_friction(
     name: str, settings: tuple[str, ...]
