@@ -50,11 +50,20 @@ def rolls_of(plan: WalkPlan) -> Array:
     sole is behind, or ahead of, the one that stands: the first step has no toe-off, and the step
     that closes the feet has no heel strike.
     """
-    ways = np.maximum([_apart(plan, phase) for phase in plan.phases], 0.0)
-    if plan.roll is None or not ways.any():
-        return np.zeros_like(ways)
-    rolls = ways / ways.max() * [plan.roll.toe_off, plan.roll.heel_strike]
+    parts = parts_of_longest(plan)
+    if plan.roll is None:
+        return np.zeros_like(parts)
+    rolls = parts * [plan.roll.toe_off, plan.roll.heel_strike]
     return np.where(rolls > NO_ROLL, rolls, 0.0)
+
+
+def parts_of_longest(plan: WalkPlan) -> Array:
+    """How far the swing sole is behind the standing one at first, and ahead of it at last: (K, 2).
+
+    For each of K phases, as parts of the longest of these ways; 0 where the sole goes backward.
+    """
+    ways = np.maximum([_apart(plan, phase) for phase in plan.phases], 0.0)
+    return ways / ways.max() if ways.any() else ways
 
 
 def rolled_soles(roll: FootRoll, planar: Array, height: Array, pitch: Array) -> Array:

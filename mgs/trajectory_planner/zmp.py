@@ -12,7 +12,7 @@ from mgs.core.arrays import Array
 from mgs.core.contact import Side, Support
 from mgs.core.geometry import quintic, rotate_planar
 from mgs.motion_planner import Phase, WalkPlan
-from mgs.trajectory_planner.foot_roll import edge_ways, rolls_of
+from mgs.trajectory_planner.foot_roll import edge_ways, parts_of_longest, rolls_of
 
 
 def plan_zmp(plan: WalkPlan) -> tuple[Array, Array, Array]:
@@ -22,16 +22,16 @@ def plan_zmp(plan: WalkPlan) -> tuple[Array, Array, Array]:
     """
     zmp, load_left = np.empty((plan.n_samples, 2)), np.empty(plan.n_samples)
     pressure = np.empty((plan.n_samples, 2, 3))
-    rolls = rolls_of(plan)
+    rolls, travels = rolls_of(plan), _travels_of(plan)
     load = 0.5  # at rest each sole carries half of the weight
-    earlier, later = [None, *plan.phases[:-1]], [*plan.phases[1:], None]
-    for i, (phase, before, following) in enumerate(zip(plan.phases, earlier, later, strict=True)):
+    for i, phase in enumerate(plan.phases):
+        following = plan.phases[i + 1] if i + 1 < len(plan.phases) else None
         span, n = slice(phase.start, phase.end), phase.end - phase.start
         blend = quintic(np.arange(n) / n)
         target = _load_at_end(plan, phase, following, load)
         load_left[span] = load + (target - load) * blend
         for side in Side:
-            place = _place_in_sole(plan, side, phase, before, following, blend)
+            place = _place_in_sole(plan, side, i, travels, blend)
             if plan.roll is not None and phase.support is Support.DOUBLE:
                 place = _on_edge(
                     place, edge_ways(plan, rolls, side, i), plan.roll.sole_lengths[side]
@@ -55,29 +55,33 @@ def _load_at_end(plan: WalkPlan, phase: Phase, following: Phase | None, load: fl
     return 1.0 if following.support is Support.LEFT else 0.0
 
 
-def _place_in_sole(
-    plan: WalkPlan,
-    side: Side,
-    phase: Phase,
-    before: Phase | None,
-    following: Phase | None,
-    blend: Array,
-) -> Array:
-    """Place of the ZMP if one sole carried the whole weight: (2,), or (k, 2) with travel [m].
+def _travels_of(plan: WalkPlan) -> Array:
+    """Places of the ZMP in the standing sole at the start and end of each of K phases (K, 2).
+
+    Distances ahead of its place without travel [m]. Where soles roll, the ZMP goes as far towards
+    heel and toe as the other sole is behind and ahead, in proportion to the longest step, like the
+    pitch of the soles: in short steps it does not get near to the heel, over which a robot falls.
+    """
+    travels = np.array([[-0.5, 0.5]]) * plan.zmp_travel * np.ones((len(plan.phases), 1))
+    return travels if plan.roll is None else travels * parts_of_longest(plan)
+
+
+def _place_in_sole(plan: WalkPlan, side: Side, i: int, travels: Array, blend: Array) -> Array:
+    """Place of the ZMP in phase `i` if one sole carried the whole weight: (2,), or (k, 2) [m].
 
     From the centre of the sole, in its axes.
 
-    It travels from heel to toe in single support. In double support it stays at the toe of a sole
-    that has just carried the robot, at the heel of one that is about to carry it, and in the middle
-    of a sole at rest.
+    It travels from heel to toe in single support. In double support it stays where it was in a sole
+    that has just carried the robot, is where it will be in one that is about to carry it, and in
+    the middle of a sole at rest.
     """
     forward, inward = plan.zmp_offset
     place = np.array([forward, -side.sign * inward])
     if plan.zmp_travel:
-        begin, end = _travelled(side, phase, before, following)
+        begin, end = _travelled(plan, side, i, travels)
         along = np.zeros((len(blend), 2))
         along[:, 0] = begin + (end - begin) * blend
-        place = place + plan.zmp_travel * along
+        place = place + along
     return place
 
 
@@ -90,22 +94,20 @@ def _on_edge(place: Array, way: Array | None, length: float) -> Array:
     return place
 
 
-def _travelled(
-    side: Side, phase: Phase, before: Phase | None, following: Phase | None
-) -> tuple[float, float]:
-    """Places of the ZMP in a sole at the start and at the end of a phase.
+def _travelled(plan: WalkPlan, side: Side, i: int, travels: Array) -> tuple[float, float]:
+    """Places of the ZMP in a sole at the start and at the end of phase `i` [m].
 
-    The unit is the travel: -1/2 is the heel and 1/2 the toe. At an end where the sole carries no
-    weight the place has no effect; there the place of the other end is kept.
+    At an end where the sole carries no weight the place has no effect; there the place of the other
+    end is kept.
     """
-    heel, toe, single = -0.5, 0.5, Support.single(side)
-    if phase.support is not Support.DOUBLE:
-        return (heel, toe) if phase.support is single else (0.0, 0.0)
+    phases, single = plan.phases, Support.single(side)
+    if phases[i].support is not Support.DOUBLE:
+        return (travels[i, 0], travels[i, 1]) if phases[i].support is single else (0.0, 0.0)
     begin: float | None = 0.0
-    if before is not None and before.support is not Support.DOUBLE:
-        begin = toe if before.support is single else None
+    if i > 0 and phases[i - 1].support is not Support.DOUBLE:
+        begin = travels[i - 1, 1] if phases[i - 1].support is single else None
     end: float | None = 0.0
-    if following is not None and following.support is not Support.DOUBLE:
-        end = heel if following.support is single else None
+    if i + 1 < len(phases) and phases[i + 1].support is not Support.DOUBLE:
+        end = travels[i + 1, 0] if phases[i + 1].support is single else None
     begin = begin if begin is not None else end or 0.0
     return begin, begin if end is None else end

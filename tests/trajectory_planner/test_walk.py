@@ -316,6 +316,26 @@ def test_the_zmp_travels_from_heel_to_toe_without_a_jump(gait: Gait, travel: flo
     assert fine_jump < 0.5 * coarse_jump + 1e-9  # a jump would be as large however fine the samples
 
 
+def test_where_soles_roll_the_zmp_travels_in_proportion_to_the_step():
+    """Straight steps of 40, 80 and 60 mm, with the ways between the soles added up by hand."""
+    steps = [{"step_length": way} for way in (0.04, 0.08, 0.06)]
+    roll = {"toe_off": 0.1, "heel_strike": 0.1}
+    walk = {"n_steps": None, "steps": steps, "zmp_travel": 0.03, "foot_roll": roll}
+    plan, tasks = tasks_of(walk_gait(dt=0.01, **walk))
+    behind, ahead = (
+        [0.0, 0.04, 0.08, 0.06],
+        [0.04, 0.08, 0.06, 0.0],
+    )  # the last step closes the feet
+    places = []
+    for phase, swing in swings(plan):
+        footstep = plan.footsteps[phase.feet[swing.other]]
+        span = tasks.zmp_ref[phase.start : phase.end + 1, 0] - footstep.x
+        places.append((span[0], span[-1]))  # the last one is at the start of the double support
+    begin, end = np.transpose(places)
+    assert_allclose(begin, -0.015 * np.array(behind) / 0.08, atol=1e-12)
+    assert_allclose(end, 0.015 * np.array(ahead) / 0.08, atol=1e-12)
+
+
 @given(walks(), st.floats(0.0, 1.0))
 def test_each_hand_swings_with_the_opposite_foot(gait: Gait, part: float):
     walk = gait.walk.model_dump() | {"arm_swing": part}
