@@ -25,7 +25,7 @@ from mgs.robot import load_robot
 FASTEST, COMAN = "melson/walk_fastest", "coman/walk_fastest"
 AWAY, UPRIGHT = "ik.gamma_momentum=1", "ik.torso=upright"
 FREE = ("walk.hands=free", "walk.arm_swing=0")
-STIFF = "ik.gamma_joint=5"
+HELD = ("walk.hands=held", "walk.arm_swing=0.35", "ik.gamma_momentum=0")
 QUICK = (  # steps of 18 cm in 0.5 s
     *("walk.step_length=0.18", "walk.double_support=0.07", "walk.single_support=0.43"),
     *("walk.lead_in=1.8", "walk.lead_out=1.8", "walk.step_width=null", "walk.landing=0"),
@@ -33,14 +33,11 @@ QUICK = (  # steps of 18 cm in 0.5 s
     *("ik.gamma_joint=0.35", "ik.torso=free"),
 )
 VARIANTS = (
-    *(
-        (FASTEST, more)
-        for more in ((), (STIFF,), (*FREE, STIFF), (*FREE, AWAY), (*FREE, AWAY, STIFF))
-    ),
+    *((FASTEST, more) for more in (HELD, ("ik.gamma_momentum=0",), ("ik.gamma_joint=1",), ())),
     *((COMAN, more) for more in ((), (AWAY,), FREE, (*FREE, AWAY))),
     *((COMAN, (*QUICK, *more)) for more in ((), (UPRIGHT,), (UPRIGHT, *FREE, AWAY))),
 )
-DRAWN = {"as shipped": (), "arms and waist against yaw": (*FREE, AWAY, STIFF)}
+DRAWN = {"hands held": HELD, "arms and waist against yaw, as shipped": ()}
 
 
 def made(name: str, settings: tuple[str, ...] = ()) -> Motion:
@@ -72,7 +69,7 @@ def draw(path: Path) -> None:
         body = analyse(motion.robot, motion.q, motion.dt, load)
         axes.plot(motion.times, yaw_moments(motion, body)[0], color=colour, linewidth=1.5)
         axes.lines[-1].set_label(label)
-        if settings:
+        if not settings:
             continue
         for side in Side:
             k, spec = motion.support == Support.single(side), motion.robot.sole_spec(side)
