@@ -267,7 +267,8 @@ class WalkParameters(Model):
         ge=0.0,
         le=1.0,
         description="Distance that the reference of the zero-moment point (ZMP) travels towards "
-        "the toes during each single support phase [m]; 0: the reference stands still.",
+        "the toes during each single support phase [m]; 0: the reference stands still. With "
+        "foot_roll it is that of the longest step, and shorter steps have less.",
     )
     arm_swing: float = Field(
         0.0,
