@@ -62,8 +62,8 @@ def _travels_of(plan: WalkPlan) -> Array:
     heel and toe as the other sole is behind and ahead, in proportion to the longest step, like the
     pitch of the soles: in short steps it does not get near to the heel, over which a robot falls.
     """
-    travels = np.array([[-0.5, 0.5]]) * plan.zmp_travel * np.ones((len(plan.phases), 1))
-    return travels if plan.roll is None else travels * parts_of_longest(plan)
+    parts = parts_of_longest(plan) if plan.roll is not None else np.ones((len(plan.phases), 2))
+    return plan.zmp_travel * parts * [-0.5, 0.5]
 
 
 def _place_in_sole(plan: WalkPlan, side: Side, i: int, travels: Array, blend: Array) -> Array:

@@ -322,10 +322,8 @@ def test_where_soles_roll_the_zmp_travels_in_proportion_to_the_step():
     roll = {"toe_off": 0.1, "heel_strike": 0.1}
     walk = {"n_steps": None, "steps": steps, "zmp_travel": 0.03, "foot_roll": roll}
     plan, tasks = tasks_of(walk_gait(dt=0.01, **walk))
-    behind, ahead = (
-        [0.0, 0.04, 0.08, 0.06],
-        [0.04, 0.08, 0.06, 0.0],
-    )  # the last step closes the feet
+    behind = [0.0, 0.04, 0.08, 0.06]
+    ahead = [0.04, 0.08, 0.06, 0.0]  # the last step closes the feet
     places = []
     for phase, swing in swings(plan):
         footstep = plan.footsteps[phase.feet[swing.other]]
